@@ -1,0 +1,45 @@
+"""Motion capture into clean, compact, editable animation curves."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .errors import FileError, Mismatch, MocurveError, OptionError, UnknownName
+    from .keyed import HermiteCurve, KeyedMotion
+    from .motion import Clip, Motion, unroll
+    from .skeleton import Skeleton
+
+# public name -> module; loaded at first use, so that `mocurve --help` does not pay for kernels
+_HOME = {
+    "FileError": "errors",
+    "Mismatch": "errors",
+    "MocurveError": "errors",
+    "OptionError": "errors",
+    "UnknownName": "errors",
+    "Skeleton": "skeleton",
+    "Clip": "motion",
+    "Motion": "motion",
+    "unroll": "motion",
+    "HermiteCurve": "keyed",
+    "KeyedMotion": "keyed",
+    "read": "formats",
+    "write": "formats",
+    "reduce": "reduction",
+    "refine": "reduction",
+    "compare": "measure",
+    "render": "draw",
+}
+__all__ = ["__version__", *_HOME]
+__version__ = "0.1.0"
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module 'mocurve' has no attribute {name!r}")
+    return getattr(import_module(f".{_HOME[name]}", __name__), name)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -1,0 +1,114 @@
+"""The body: joints, their tree, rest offsets and channels."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .errors import Mismatch, OptionError, UnknownName
+
+AXES = "XYZ"
+CHANNEL_KINDS = tuple(f"{axis}{kind}" for kind in ("position", "rotation") for axis in AXES)
+
+
+def frozen(array: np.ndarray) -> np.ndarray:
+    """The array, no longer writable: frozen data keeps its contents too."""
+    array.setflags(write=False)
+    return array
+
+
+@dataclass(frozen=True, eq=False)
+class Skeleton:
+    """Joints in depth-first order; a parent comes before its children, a root's parent is -1 (a file may have several roots).
+
+    names:     J names as in the file; an end site is called after its parent, "LeftToeBase_End".
+    parents:   (J,) index of the parent, -1 for a root.
+    offsets:   (J, 3) rest position in the parent's frame, in the file's length unit.
+    channels:  per joint, in file order, of "Xposition" ... "Zrotation"; an end site has none.
+    end_sites: (J,) True where the joint is an end site: a place without channels that ends a bone.
+    unit:      metres that one length unit of the file stands for, None where nobody said.
+    """
+
+    names: tuple[str, ...]
+    parents: np.ndarray
+    offsets: np.ndarray
+    channels: tuple[tuple[str, ...], ...]
+    end_sites: np.ndarray = field(default=None)  # type: ignore[assignment]  # None: no end sites
+    unit: float | None = None
+
+    def __post_init__(self) -> None:
+        count = len(self.names)
+        ends = np.zeros(count, bool) if self.end_sites is None else self.end_sites
+        put = object.__setattr__  # the dataclass is frozen; this is its constructor
+        put(self, "names", tuple(self.names))
+        put(self, "channels", tuple(tuple(names) for names in self.channels))
+        put(self, "parents", frozen(np.array(self.parents, np.int64).reshape(-1)))
+        put(self, "offsets", frozen(np.array(self.offsets, np.float64).reshape(-1, 3)))
+        put(self, "end_sites", frozen(np.array(ends, bool).reshape(-1)))
+        for label in ("parents", "offsets", "channels", "end_sites"):
+            if len(getattr(self, label)) != count:
+                raise Mismatch(f"{count} joint names but {len(getattr(self, label))} {label}")
+        if any(not -1 <= parent < joint for joint, parent in enumerate(self.parents)):
+            raise Mismatch("a joint stands before its parent")
+        for name, kinds in zip(self.names, self.channels, strict=True):
+            for kind in kinds:
+                if kind not in CHANNEL_KINDS:
+                    raise UnknownName(f"channel kind (joint {name!r})", kind, CHANNEL_KINDS)
+        if self.unit is not None and not (np.isfinite(self.unit) and self.unit > 0):
+            raise OptionError(f"unit must be a positive number of metres, not {self.unit!r}")
+
+    def __repr__(self) -> str:
+        joints = len(self.names) - int(self.end_sites.sum())
+        return f"<Skeleton {joints} joints, {int(self.end_sites.sum())} end sites, {self.channel_count} channels>"
+
+    # -- channels, in file order ---------------------------------------------------------------
+    @property
+    def channel_count(self) -> int:
+        return sum(len(kinds) for kinds in self.channels)
+
+    @property
+    def channel_names(self) -> tuple[str, ...]:
+        """C names such as "LeftKnee.Xrotation": how a channel is addressed everywhere."""
+        return tuple(f"{name}.{kind}" for name, kinds in zip(self.names, self.channels, strict=True) for kind in kinds)
+
+    @property
+    def channel_joints(self) -> np.ndarray:
+        """(C,) the joint that each channel moves."""
+        return np.repeat(np.arange(len(self.names)), [len(kinds) for kinds in self.channels])
+
+    @property
+    def channel_axes(self) -> np.ndarray:
+        """(C,) 0, 1, 2 for X, Y, Z."""
+        return np.array([AXES.index(kind[0]) for kinds in self.channels for kind in kinds], np.int64)
+
+    @property
+    def rotation_channels(self) -> np.ndarray:
+        """(C,) True where the channel is a rotation (degrees), False where a position (file length)."""
+        return np.array([kind.endswith("rotation") for kinds in self.channels for kind in kinds], bool)
+
+    # -- names ---------------------------------------------------------------------------------
+    def joint(self, name: str) -> int:
+        """Index of a joint by name; UnknownName with the nearest name where there is none, Mismatch where there are several."""
+        return _only(name, self.names, "joint")
+
+    def channel(self, name: str) -> int:
+        """Index of a channel by name, "LeftKnee.Xrotation"."""
+        return _only(name, self.channel_names, "channel")
+
+    def below(self, joint: int) -> np.ndarray:
+        """(J,) True for the joint itself and all that hang on it."""
+        inside = np.zeros(len(self.names), bool)
+        for j in range(joint, len(self.names)):
+            inside[j] = j == joint or (self.parents[j] >= 0 and inside[self.parents[j]])
+        return inside
+
+
+def _only(name: str, known: Sequence[str], kind: str) -> int:
+    places = [i for i, other in enumerate(known) if other == name]
+    if not places:
+        raise UnknownName(kind, name, known)
+    if len(places) > 1:
+        raise Mismatch(f"{len(places)} {kind}s are called {name!r}")
+    return places[0]
