@@ -1,0 +1,10 @@
+"""What `mocurve NAME` runs: one file a command, loaded only when its name is typed."""
+
+COMMANDS = {
+    "reduce": "Few Hermite keys instead of a sample at every frame; nothing moves more than the tolerance.",
+    "compare": "What changed between two clips: per channel, per joint, and as a page to look at.",
+    "info": "What a file holds: skeleton, channels, frames, length unit, and what is odd about it.",
+    "convert": "The same clip in another format.",
+    "render": "A picture (.png) or an animation (.gif) of the moving figure.",
+    "example": "Put a real capture, jump.bvh, into a folder to try things on.",
+}

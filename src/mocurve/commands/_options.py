@@ -1,0 +1,79 @@
+"""How a command gets its options: from the verb's own signature and docstring, so that they are written once."""
+
+from __future__ import annotations
+
+import inspect
+import json
+import os
+import re
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Annotated, Any, get_type_hints
+
+from cyclopts import Parameter
+
+from ..errors import OptionError
+
+Json = Annotated[bool, Parameter(help="Print one JSON object and nothing else.")]
+Html = Annotated[Path | None, Parameter(help="Write a page to look at here (one file, works without a network).")]
+Unit = Annotated[
+    float | str | None,
+    Parameter(
+        help="Length unit of the file: mm, cm, m, in, ft, or metres as a number. Else guessed from the body's height."
+    ),
+]
+
+
+def with_options_of(verb: Callable[..., Any]) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Give a command the keyword-only options of a verb in place of its own **options: names, types, defaults and help.
+
+    The help of an option is what the verb's docstring says in a line that starts with "name: ".
+    """
+    hints, told = get_type_hints(verb), _told(verb.__doc__ or "")
+    taken = [
+        option.replace(annotation=Annotated[_typed(hints[option.name]), Parameter(help=told.get(option.name))])
+        for option in inspect.signature(verb).parameters.values()
+        if option.kind is option.KEYWORD_ONLY
+    ]
+
+    def give(command: Callable[..., None]) -> Callable[..., None]:
+        own = get_type_hints(command, include_extras=True)
+        kept = [p for p in inspect.signature(command).parameters.values() if p.kind is not p.VAR_KEYWORD]
+        parameters = [p.replace(annotation=own[p.name]) for p in kept] + taken
+        command.__annotations__ = {p.name: p.annotation for p in parameters}
+        command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]  # what inspect.signature reads
+        return command
+
+    return give
+
+
+def _typed(hint: Any) -> Any:
+    """One text or several becomes a list: on the command line the option is repeated."""
+    return list[str] if hint in (str | Sequence[str], str | list[str]) else hint
+
+
+def _told(docstring: str) -> dict[str, str]:
+    """{"tolerance": "how far ..."} from lines "tolerance: how far ..." and the deeper ones after them."""
+    told: dict[str, str] = {}
+    name = ""
+    for line in inspect.cleandoc(docstring).splitlines():
+        if start := re.fullmatch(r" *(\w+): +(.+)", line):
+            name = start[1]
+            told[name] = start[2]
+        elif name and line.startswith("  "):
+            told[name] += " " + line.strip()
+        else:
+            name = ""
+    return told
+
+
+def keep_apart(source: Path, *outputs: Path | None) -> None:
+    """OptionError where a command would write over the file that it reads."""
+    for output in outputs:
+        if output is not None and output.exists() and os.path.samefile(source, output):
+            raise OptionError(f"{output} is the file that is read; write the result elsewhere")
+
+
+def print_json(found: dict[str, Any]) -> None:
+    """One JSON object on stdout; NaN is no JSON and never printed."""
+    print(json.dumps(found, allow_nan=False))

@@ -1,0 +1,23 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+from .. import measure
+from ..formats import read
+from ._options import Html, Json, Unit, keep_apart, print_json
+
+
+def compare(before: Path, after: Path, /, *, html: Html = None, unit: Unit = None, json: Json = False) -> None:
+    """What changed between two clips: per channel, per joint, and as a page to look at.
+
+    Both must have the same skeleton. Errors are in degrees, in the file's length unit, and in space.
+
+    Example:
+      mocurve compare jump.bvh jump.curves.json --html jump.html
+    """
+    keep_apart(before, html)
+    keep_apart(after, html)
+    report = measure.compare(read(before, unit=unit), read(after, unit=unit))
+    if html is not None:
+        report.save(html)
+    print_json(report.to_json()) if json else print(report)

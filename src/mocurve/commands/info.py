@@ -1,0 +1,26 @@
+from __future__ import annotations
+
+import json as notation
+from pathlib import Path
+
+from .. import info as questions
+from ..formats import read
+from ..keyed import KeyedMotion
+from ._options import Json, Unit
+
+
+def info(file: Path, /, *, unit: Unit = None, json: Json = False) -> None:
+    """What a file holds: skeleton, channels, frames, length unit, and what is odd about it.
+
+    Files do not say their length unit: it is guessed from the height of the body at rest, and said.
+
+    Example:
+      mocurve info jump.bvh
+    """
+    clip = read(file, unit=unit)
+    found = questions.inspect(clip.sample(), file)
+    keys = clip if isinstance(clip, KeyedMotion) else None
+    if json:
+        print(notation.dumps(found.to_json() | ({} if keys is None else {"keys": keys.keys})))
+    else:
+        print(found, *([] if keys is None else [repr(keys)]), sep="\n")

@@ -1,0 +1,33 @@
+"""What the tests share: where the clips are."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from mocurve.data import example
+
+REPOSITORY = Path(__file__).resolve().parent.parent
+
+
+@pytest.fixture(scope="session")
+def repository() -> Path:
+    """The root of the repository."""
+    return REPOSITORY
+
+
+@pytest.fixture(scope="session")
+def jump() -> Path:
+    """The capture that ships with the package: 420 frames at 120 fps, 96 channels; always there."""
+    return example()
+
+
+@pytest.fixture(scope="session")
+def clips() -> Path:
+    """Folder of shared clips (cmu, other, awkward, broken): MOCURVE_CLIPS, or shared/clips beside the repository."""
+    folder = Path(os.environ.get("MOCURVE_CLIPS") or REPOSITORY.parent / "shared" / "clips")
+    if not folder.is_dir():
+        pytest.skip("no shared clips: set MOCURVE_CLIPS to their folder")
+    return folder
