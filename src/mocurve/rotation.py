@@ -12,6 +12,7 @@ from .errors import OptionError
 
 AXES = "XYZ"
 CYCLIC = ("XYZ", "YZX", "ZXY")
+REAL_JUMP_DEGREES = 90.0  # between two frames; gimbal passages of real clips are below 20, lost markers and T-poses above 120
 
 
 def mul(a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -109,25 +110,25 @@ def unroll(q: np.ndarray) -> np.ndarray:
 
 
 def unroll_euler(degrees: np.ndarray, order: str) -> np.ndarray:
-    """The same rotations (F, n), degrees, written so that no angle jumps more than it must.
+    """The same rotations (F, n), degrees, written so that no angle jumps more than it must. The first frame is kept.
 
-    Each frame keeps its angles plus whole turns, or takes the other Euler triple of the same rotation, (a + 180, 180 - b, c + 180)
-    (for "ZXZ" and its like (a + 180, -b, c + 180)), where that lies nearer to the frame before (sum of squares). Angles that do not
-    jump come back unchanged. The first frame is kept.
+    Each frame keeps its angles plus whole turns, or takes the other Euler triple of the same rotation, (a+180, 180-b, c+180)
+    (for "ZXZ" and its like (a+180, -b, c+180)), where its largest jump from the frame before is smaller. Angles that do not jump
+    come back unchanged, and so does a jump of the rotation itself (a T-pose, a lost marker): there no triple is the right one.
 
-    Taking the other triple is an isometry and its own inverse, so the distance of two frames depends only on whether just one of
-    them is exchanged: the nearest choice frame by frame is also the shortest path over all frames, and needs no loop.
+    Taking the other triple is an isometry and its own inverse, so the jump between two frames depends only on whether just one
+    of them is exchanged: the smallest jump frame by frame is also the shortest path over all frames, and needs no loop.
     """
     degrees = _checked(degrees, order)
-    if len(degrees) < 2:
-        return degrees.copy()
     result = degrees
     if len(order) == 3 and order[1] not in (order[0], order[2]):
         other = degrees + 180.0
         other[:, 1] = (0.0 if order[0] == order[2] else 180.0) - degrees[:, 1]
-        exchange = _distance(degrees[:-1], other[1:]) < _distance(degrees[:-1], degrees[1:]) - 1e-9
-        exchanged = np.concatenate([[False], np.cumsum(exchange) % 2 == 1])
-        if exchanged.any():
+        exchange = _jump(degrees[:-1], other[1:]) < _jump(degrees[:-1], degrees[1:]) - 1e-9
+        at = np.flatnonzero(exchange)  # few
+        exchange[at] = angle(from_euler(degrees[at], order), from_euler(degrees[at + 1], order)) < REAL_JUMP_DEGREES
+        if exchange.any():
+            exchanged = np.concatenate([[False], np.cumsum(exchange) % 2 == 1])
             result = np.where(exchanged[:, None], other, degrees)
     turns = np.zeros_like(result)
     turns[1:] = np.cumsum(np.rint((result[:-1] - result[1:]) / 360.0), axis=0)
@@ -147,11 +148,11 @@ def _checked(degrees: np.ndarray, order: str) -> np.ndarray:
     return degrees
 
 
-def _distance(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Sum of squares of angle differences (F, 3) without whole turns."""
+def _jump(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Largest difference (F,) of angles (F, 3), not counting whole turns."""
     away = b - a
     away -= 360.0 * np.rint(away / 360.0)
-    return np.einsum("fk,fk->f", away, away)
+    return np.abs(away).max(axis=1)
 
 
 def _angles(q: np.ndarray, order: str) -> np.ndarray:
