@@ -1,3 +1,5 @@
+"""`mocurve compare`: what changed."""
+
 from __future__ import annotations
 
 from pathlib import Path

@@ -1,3 +1,5 @@
+"""`mocurve convert`: another format."""
+
 from __future__ import annotations
 
 from pathlib import Path

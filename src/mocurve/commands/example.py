@@ -1,3 +1,5 @@
+"""`mocurve example`: the shipped capture."""
+
 from __future__ import annotations
 
 import shutil

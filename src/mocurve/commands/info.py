@@ -1,3 +1,5 @@
+"""`mocurve info`: what a file holds."""
+
 from __future__ import annotations
 
 import json as notation

@@ -1,3 +1,5 @@
+"""`mocurve reduce`: the main job."""
+
 from __future__ import annotations
 
 from pathlib import Path

@@ -1,3 +1,5 @@
+"""`mocurve render`: pictures."""
+
 from __future__ import annotations
 
 from pathlib import Path
