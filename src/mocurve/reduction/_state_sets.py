@@ -246,6 +246,20 @@ def cut(x, z, q, k, high, x2, z2, q2):
 
 
 @kernel(fastmath=True)
+def drop_corner(x, z, k):
+    """Leave out the corner of a convex polygon that costs least area: long flat channels pile up nearly equal corners."""
+    least, at = np.inf, 0
+    for a in range(k):
+        b, c = (a if a > 0 else k) - 1, a + 1 if a + 1 < k else 0
+        area = abs((x[a] - x[b]) * (z[c] - z[b]) - (z[a] - z[b]) * (x[c] - x[b]))
+        if area < least:
+            least, at = area, a
+    for a in range(at, k - 1):
+        x[a], z[a] = x[a + 1], z[a + 1]
+    return k - 1
+
+
+@kernel(fastmath=True)
 def backward(y, half, frames, counts, corners):
     """One state per key, last to first: the polygon of the key, clipped by the frames of the segment that follows, has room left; its mean."""
     keys = len(frames)
@@ -277,8 +291,10 @@ def backward(y, half, frames, counts, corners):
                 k = cut(x, z, q, k, half[i + g], x2, z2, q2)
                 for a in range(k):
                     x[a], z[a] = x2[a], z2[a]
-            if k == 0 or k > room - 2:  # rounding; the check that follows mends it
+            if k == 0:  # rounding; the check that follows mends it
                 break
+            while k > room - 2:
+                k = drop_corner(x, z, k)
             v, m = x[:k].mean(), z[:k].mean()
         values[key], slopes[key] = y[i] + v, m
     return values, slopes
