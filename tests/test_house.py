@@ -18,7 +18,7 @@ FILES = sorted(PACKAGE.rglob("*.py"))
 # A module may import what stands in a line above its own, and modules of its own line. A folder counts as one.
 LAYERS = [
     "errors",
-    "_jit progress data",
+    "_jit progress data saving",
     "rotation hermite",
     "skeleton",
     "motion",

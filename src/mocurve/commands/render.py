@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 from cyclopts import Parameter
 
@@ -11,18 +11,21 @@ from .. import draw
 from ..formats import read
 from ._options import keep_apart, with_options_of
 
-Output = Annotated[
-    Path, Parameter(name=("--output", "-o"), help="The picture: .png shows poses along the way, .gif plays.")
-]
+Output = Annotated[Path, Parameter(name=("--output", "-o"), help="The picture: .png or .gif.")]
 
 
 @with_options_of(draw.render)
-def render(file: Path, /, *, output: Output, **options: object) -> None:
+def render(file: Path, second: Path | None = None, /, *, output: Output, **options: Any) -> None:
     """A picture (.png) or an animation (.gif) of the moving figure.
 
-    Example:
+    A second clip is drawn over the first, to see where they differ.
+
+    Examples:
       mocurve render jump.bvh -o jump.gif
+      mocurve render jump.bvh jump.curves.json -o both.png --view side
     """
     keep_apart(file, output)
-    draw.render(read(file), output, **options)
+    if second is not None:
+        keep_apart(second, output)
+    draw.render(read(file), output, None if second is None else read(second), **options)
     print(f"wrote {output}")
