@@ -182,7 +182,16 @@ def forward(middle, half, width, stride, most):
     while True:
         far = frames[s0] + 1
         for s in range(s0, s1):
-            reached = group_reach(program, corners[s], counts[s], middle, half, frames[s], max(far, frames[s] + 1), far + 1 if s > s0 else far + guess)
+            reached = group_reach(
+                program,
+                corners[s],
+                counts[s],
+                middle,
+                half,
+                frames[s],
+                max(far, frames[s] + 1),
+                far + 1 if s > s0 else far + guess,
+            )
             far = max(far, reached)
             if far == n - 1:
                 break
@@ -190,7 +199,12 @@ def forward(middle, half, width, stride, most):
         end = s1
         if end + width > room:
             room *= 2
-            frames, parents, counts, corners = larger(frames, room), larger(parents, room), larger(counts, room), larger(corners, room)
+            frames, parents, counts, corners = (
+                larger(frames, room),
+                larger(parents, room),
+                larger(counts, room),
+                larger(corners, room),
+            )
         for c in range(candidates(frames, s0, s1, far, width, stride, ahead)):
             j, best = ahead[c], -np.inf
             for s in range(s0, s1):
@@ -200,7 +214,19 @@ def forward(middle, half, width, stride, most):
                         free_states(middle[m], half[m], j, corners[end, m])
                 elif frames[s] < j and best < np.inf:
                     area = group_arrive(
-                        program, corners[s], counts[s], middle, half, frames[s], j, most, supports, best, s, corners[end], counts[end]
+                        program,
+                        corners[s],
+                        counts[s],
+                        middle,
+                        half,
+                        frames[s],
+                        j,
+                        most,
+                        supports,
+                        best,
+                        s,
+                        corners[end],
+                        counts[end],
                     )
                     if area > best:
                         best, parents[end] = area, s

@@ -1,0 +1,139 @@
+"""Weighted least squares of C1 cubic Hermite curves with fixed key times: a banded system, two unknowns a key (value, slope).
+
+The normal matrix has half-bandwidth 3 and is solved by banded Cholesky. It is kept as band[i, d] = A[i, i - d].
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .._jit import kernel
+
+STIFFNESS = 1e-6  # pull of each slope towards its segment's chord, against frames that do not determine it
+LAWSON_FLOOR = 0.05  # added to the error by which a sweep multiplies a weight, so that no frame is ever forgotten
+
+
+@kernel(fastmath=True)
+def hermite_row(s, h, row):
+    """Weights of (value, slope, value, slope) at the part s of a segment of h frames."""
+    rise = (3.0 - 2.0 * s) * s * s
+    row[0], row[1], row[2], row[3] = 1.0 - rise, s * (1.0 - s) * (1.0 - s) * h, rise, s * s * (s - 1.0) * h
+
+
+@kernel(fastmath=True)
+def normal_equations(frames, y, weights, band, right):
+    """Sum the normal equations of all frames from the first key to the last, the chord's pull included."""
+    band[:] = 0.0
+    right[:] = 0.0
+    row = np.empty(4)
+    for q in range(len(frames) - 1):
+        a, b = frames[q], frames[q + 1]
+        total = 0.0
+        for f in range(a if q == 0 else a + 1, b + 1):
+            w = weights[f]
+            total += w
+            hermite_row((f - a) / (b - a), b - a, row)
+            for i in range(4):
+                right[2 * q + i] += w * row[i] * y[f]
+                for d in range(i + 1):
+                    band[2 * q + i, d] += w * row[i] * row[i - d]
+        pull = STIFFNESS * (b - a) * total
+        for i in (1, 3):
+            band[2 * q + i, 0] += pull
+            right[2 * q + i] += pull * (y[b] - y[a]) / (b - a)
+
+
+@kernel(fastmath=True)
+def hold(band, right, i, value):
+    """Fix unknown i: its column goes to the right side."""
+    n = len(right)
+    for d in range(1, 4):
+        if i - d >= 0:
+            right[i - d] -= band[i, d] * value
+            band[i, d] = 0.0
+        if i + d < n:
+            right[i + d] -= band[i + d, d] * value
+            band[i + d, d] = 0.0
+    band[i, 0], right[i] = 1.0, value
+
+
+@kernel(fastmath=True)
+def solve_band(band, right):
+    """Banded Cholesky in place; the solution replaces the right side."""
+    n = len(right)
+    for i in range(n):
+        for d in range(min(3, i), -1, -1):
+            j = i - d
+            s = band[i, d]
+            for k in range(max(0, i - 3), j):
+                s -= band[i, i - k] * band[j, j - k]
+            band[i, d] = s / band[j, 0] if d > 0 else np.sqrt(max(s, 1e-300))
+    for i in range(n):
+        for d in range(1, min(3, i) + 1):
+            right[i] -= band[i, d] * right[i - d]
+        right[i] /= band[i, 0]
+    for i in range(n - 1, -1, -1):
+        for d in range(1, min(3, n - 1 - i) + 1):
+            right[i] -= band[i + d, d] * right[i + d]
+        right[i] /= band[i, 0]
+
+
+@kernel(fastmath=True)
+def errors(frames, values, slopes, y, out):
+    """|curve - y| at every frame from the first key to the last, into out (F,)."""
+    for q in range(len(frames) - 1):
+        a, h = frames[q], frames[q + 1] - frames[q]
+        va, ma = values[q], h * slopes[q]
+        c2 = 3.0 * (values[q + 1] - va) - 2.0 * ma - h * slopes[q + 1]
+        c3 = 2.0 * (va - values[q + 1]) + ma + h * slopes[q + 1]
+        for f in range(a, a + h + 1):
+            s = (f - a) / h
+            out[f] = abs(va + s * (ma + s * (c2 + s * c3)) - y[f])
+
+
+@kernel
+def refit(frames, middle, half, sweeps):
+    """Values and slopes (per frame) of the C1 Hermite curve nearest to middle (F,), weight 1/half², key frames (K,) kept.
+
+    `sweeps` more solutions with Lawson's weights (each times its error) draw the largest error down; the best one is returned:
+    values (K,), slopes (K,), largest |curve - middle| / half. It stops at the first that is inside the band.
+    """
+    keys, n = len(frames), len(middle)
+    values, slopes = middle[frames], np.zeros(keys)
+    if keys < 2:
+        return values, slopes, np.max(np.abs(middle - values[0]) / half)
+    band, right, error = np.empty((2 * keys, 4)), np.empty(2 * keys), np.empty(n)
+    base = middle[frames[0]]  # counted from here: offsets of a million leave the digits to the shape
+    y = middle - base
+    weights = (half.min() / half) ** 2 + 1e-12
+    best = np.inf
+    for _ in range(sweeps + 1):
+        normal_equations(frames, y, weights, band, right)
+        solve_band(band, right)
+        errors(frames, right[0::2], right[1::2], y, error)
+        worst = np.max(error / half)
+        if worst < best:
+            best = worst
+            values, slopes = right[0::2] + base, right[1::2].copy()
+        if best <= 1.0:
+            break
+        weights *= error / half + LAWSON_FLOOR * worst
+        weights *= 1.0 / weights.max()
+        weights += 1e-12
+    return values, slopes, best
+
+
+@kernel
+def fit_slopes(frames, values, y, weights):
+    """Slopes (K,) per frame that bring the C1 Hermite curve through the given key values (K,) nearest to y (F,), weights (F,)."""
+    slopes = np.zeros(len(frames))
+    if len(frames) < 2:
+        return slopes
+    band, right = np.empty((2 * len(frames), 4)), np.empty(2 * len(frames))
+    base = y[frames[0]]
+    normal_equations(frames, y - base, weights, band, right)
+    for q in range(len(frames)):
+        hold(band, right, 2 * q, values[q] - base)
+    solve_band(band, right)
+    slopes[:] = right[1::2]
+    return slopes
