@@ -1,7 +1,7 @@
-"""Rotations as arrays: quaternions (..., 4) wxyz of unit length, Euler angles (..., n) in degrees, rotation vectors (..., 3) in radians.
+"""Rotations as arrays: unit quaternions (..., 4) wxyz, Euler angles (..., n) in degrees, rotation vectors in radians.
 
-An order such as "ZYX" lists the axes as a BVH file lists its channels: R = Rz @ Ry @ Rx, on column vectors. Angles are turned about
-the axes that the earlier ones have moved. Any number of axes is allowed, also "XZ" or "ZXZ".
+An order such as "ZYX" lists the axes as a BVH file lists its channels: R = Rz @ Ry @ Rx, on column vectors. Angles
+are turned about the axes that the earlier ones have moved. Any number of axes is allowed, also "XZ" or "ZXZ".
 """
 
 from __future__ import annotations
@@ -12,7 +12,9 @@ from .errors import OptionError
 
 AXES = "XYZ"
 CYCLIC = ("XYZ", "YZX", "ZXY")
-REAL_JUMP_DEGREES = 90.0  # between two frames; gimbal passages of real clips are below 20, lost markers and T-poses above 120
+REAL_JUMP_DEGREES = (
+    90.0  # between two frames; gimbal passages of real clips are below 20, lost markers and T-poses above 120
+)
 
 
 def mul(a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -90,10 +92,11 @@ def from_euler(degrees: np.ndarray, order: str) -> np.ndarray:
 def to_euler(q: np.ndarray, order: str) -> np.ndarray:
     """Euler angles (..., n), degrees, of quaternions (..., 4).
 
-    Three different axes give the middle angle in -90..90, the outer ones in -180..180; in gimbal lock the last angle is 0. Where
-    the axes of `order` cannot express the rotation ("XZ", "Y", ""), the angles of the nearest rotation that they can. An axis that
-    repeats the one before it, and all after the third, get 0. Source: Bernardes and Viollet 2022, Quaternion to Euler angles
-    conversion, PLOS ONE 17(11), which is exact to rounding near gimbal lock too.
+    Three different axes give the middle angle in -90..90, the outer ones in -180..180; in gimbal lock the last angle
+    is 0. Where the axes of `order` cannot express the rotation ("XZ", "Y", ""), the angles of the nearest rotation
+    that they can. An axis that repeats the one before it, and all after the third, get 0. Source: Bernardes and
+    Viollet 2022, Quaternion to Euler angles conversion, PLOS ONE 17(11), which is exact to rounding near gimbal lock
+    too.
     """
     q = np.asarray(q, np.float64)
     used = [k for k in range(len(order)) if k == 0 or order[k] != order[k - 1]][:3]
@@ -112,12 +115,14 @@ def unroll(q: np.ndarray) -> np.ndarray:
 def unroll_euler(degrees: np.ndarray, order: str) -> np.ndarray:
     """The same rotations (F, n), degrees, written so that no angle jumps more than it must. The first frame is kept.
 
-    Each frame keeps its angles plus whole turns, or takes the other Euler triple of the same rotation, (a+180, 180-b, c+180)
-    (for "ZXZ" and its like (a+180, -b, c+180)), where its largest jump from the frame before is smaller. Angles that do not jump
-    come back unchanged, and so does a jump of the rotation itself (a T-pose, a lost marker): there no triple is the right one.
+    Each frame keeps its angles plus whole turns, or takes the other Euler triple of the same rotation, (a+180, 180-b,
+    c+180) (for "ZXZ" and its like (a+180, -b, c+180)), where its largest jump from the frame before is smaller.
+    Angles that do not jump come back unchanged, and so does a jump of the rotation itself (a T-pose, a lost marker):
+    there no triple is the right one.
 
-    Taking the other triple is an isometry and its own inverse, so the jump between two frames depends only on whether just one
-    of them is exchanged: the smallest jump frame by frame is also the shortest path over all frames, and needs no loop.
+    Taking the other triple is an isometry and its own inverse, so the jump between two frames depends only on whether
+    just one of them is exchanged: the smallest jump frame by frame is also the shortest path over all frames, and
+    needs no loop.
     """
     degrees = _checked(degrees, order)
     result = degrees
