@@ -1,0 +1,19 @@
+"""Make the picture of the README from the shipped capture: docs/pictures/curve.png.
+
+    python scripts/make_pictures.py
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import mocurve as mc
+from mocurve.data import example
+from mocurve.draw_curves import curves
+
+PICTURES = Path(__file__).resolve().parent.parent / "docs" / "pictures"
+
+if __name__ == "__main__":
+    PICTURES.mkdir(exist_ok=True)
+    jump = mc.read(example())
+    curves(jump, mc.reduce(jump, tolerance="2mm"), "LeftLeg.Xrotation", PICTURES / "curve.png")
