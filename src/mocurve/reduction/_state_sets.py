@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from .._jit import kernel
-from ._strips import furthest, maximise, new_program, start_basis, start_strips
+from ._strips import CUBIC, aim, furthest, new_program, solve, start_basis, start_strips
 
 CORNERS = 12  # room for the corners of a polygon of states
 FREE = 2.2  # slopes of a state without history: local difference +- this times the half-width
@@ -30,9 +30,14 @@ def free_states(y, half, j, polygon):
 
 
 @kernel(fastmath=True)
-def end_state(x, t):
-    """Value and slope per span of a cubic."""
-    return x[0] + t * (x[1] + t * (x[2] + t * x[3])), x[1] + t * (2.0 * x[2] + 3.0 * t * x[3])
+def support(lp, count, y, half, i, j, dv, dm, s):
+    """The end state (value from y[i], slope per segment) furthest in the direction (dv, dm), into s with the direction."""
+    aim(lp, 1.0, dv, dm)
+    if solve(lp, count, y, half, i, j, 1.0 / (j - i)) > 0:
+        return False
+    x0, x1, x2, x3 = lp[CUBIC, 0], lp[CUBIC, 1], lp[CUBIC, 2], lp[CUBIC, 3]
+    s[0], s[1], s[2], s[3] = x0 + x1 + x2 + x3, x1 + 2.0 * x2 + 3.0 * x3, dv, dm
+    return True
 
 
 @kernel(fastmath=True)
@@ -63,27 +68,19 @@ def polygon_of(s, n, y, i, j, span, polygon):
 
 
 @kernel(fastmath=True)
-def arrive(program, start, count, y, half, i, j, most, s, polygon):
-    """Polygon of states at frame j reached from the polygon `start` at frame i. Returns corners and area; 0 corners: none.
+def arrive(lp, start, count, y, half, i, j, most, s, polygon):
+    """Polygon of states at frame j reached from the polygon `start` at frame i: corners (0: none) and area.
 
-    Sandwich: each support (point, direction) bounds the set by a line; the next direction is square to the edge that may lose most area."""
-    x, edges = program[4], program[5]
+    Sandwich: each support (point, direction) bounds the set by a line as well; the next direction is square to the edge
+    beyond which most area may be missing."""
     span = float(j - i)
-    start_strips(start, count, span, edges)
-    start_basis(program, count, i, j, span)
-    n = 0
-    for sign in (1.0, -1.0):  # largest and least value, to rows 0 and 2
-        if maximise(program, count, y, half, i, j, 1.0 / span, sign, 0.0) > 0:
-            return 0, 0.0
-        s[n, 0], s[n, 1] = end_state(x, 1.0)
-        s[n, 2], s[n, 3] = sign, 0.0
-        n += 2
+    start_strips(lp, start, count, span)
+    start_basis(lp, count, y, half, i, j, span)
+    if not support(lp, count, y, half, i, j, 1.0, 0.0, s[0]) or not support(lp, count, y, half, i, j, -1.0, 0.0, s[2]):
+        return 0, 0.0
     dx, dy = s[2, 0] - s[0, 0], s[2, 1] - s[0, 1]
-    for n, sign in ((1, 1.0), (3, -1.0)):  # furthest to either side of the line between them
-        if maximise(program, count, y, half, i, j, 1.0 / span, sign * dy, -sign * dx) > 0:
-            return 0, 0.0
-        s[n, 0], s[n, 1] = end_state(x, 1.0)
-        s[n, 2], s[n, 3] = sign * dy, -sign * dx
+    if not support(lp, count, y, half, i, j, dy, -dx, s[1]) or not support(lp, count, y, half, i, j, -dy, dx, s[3]):
+        return 0, 0.0
     n = 4
     while n < most:
         best, at = 0.0, -1
@@ -94,38 +91,36 @@ def arrive(program, start, count, y, half, i, j, most, s, polygon):
         if at < 0:
             break
         b = at + 1 if at + 1 < n else 0
-        nx, ny = s[b, 1] - s[at, 1], s[at, 0] - s[b, 0]
-        if maximise(program, count, y, half, i, j, 1.0 / span, nx, ny) > 0:
+        if not support(lp, count, y, half, i, j, s[b, 1] - s[at, 1], s[at, 0] - s[b, 0], s[n]):
             break
         for a in range(n, at + 1, -1):
-            s[a, 0], s[a, 1], s[a, 2], s[a, 3] = s[a - 1, 0], s[a - 1, 1], s[a - 1, 2], s[a - 1, 3]
-        s[at + 1, 0], s[at + 1, 1] = end_state(x, 1.0)
-        s[at + 1, 2], s[at + 1, 3] = nx, ny
+            for c in range(4):
+                s[a, c], s[a - 1, c] = s[a - 1, c], s[a, c]
         n += 1
     k, area = polygon_of(s, n, y, i, j, span, polygon)
     return (k, area) if k >= 3 and area * span > THIN * half[j] * half[j] else (0, 0.0)
 
 
 @kernel
-def group_reach(program, polygons, counts, middle, half, i, known, guess):
+def group_reach(lp, polygons, counts, middle, half, i, known, guess):
     """Last frame that every member can reach from frame i; `known` if that is no further."""
     last = middle.shape[1] - 1
     for m in range(middle.shape[0]):
-        last = furthest(program, polygons[m], counts[m], middle[m], half[m], i, known, last, guess if m == 0 else last)
+        last = furthest(lp, polygons[m], counts[m], middle[m], half[m], i, known, last, guess if m == 0 else last)
         if last <= known:
             break
     return last
 
 
 @kernel
-def group_arrive(program, polygons, counts, middle, half, i, j, most, supports, best, size, corners, found):
+def group_arrive(lp, polygons, counts, middle, half, i, j, most, supports, best, size, corners, found):
     """Polygons of all members at frame j, kept in `corners`, `found` if their areas multiply to more than `best` (a sum of logs)."""
     total = 0.0
     members = middle.shape[0]
     trial = np.empty((members, CORNERS, 2))
     trial_size = np.empty(members, np.int64)
     for m in range(members):
-        k, area = arrive(program, polygons[m], counts[m], middle[m], half[m], i, j, most, supports, trial[m])
+        k, area = arrive(lp, polygons[m], counts[m], middle[m], half[m], i, j, most, supports, trial[m])
         if k == 0:
             return best
         trial_size[m] = k
@@ -162,7 +157,7 @@ def candidates(frames, s0, s1, far, width, stride, out):
 @kernel
 def larger(old, size):
     """The array with room for `size` rows."""
-    new = np.empty((size,) + old.shape[1:], old.dtype)
+    new = np.empty((size, *old.shape[1:]), old.dtype)
     new[: len(old)] = old
     return new
 
@@ -174,7 +169,7 @@ def forward(middle, half, width, stride, most):
     room = 64
     frames, parents = np.empty(room, np.int64), np.empty(room, np.int64)
     counts, corners = np.empty((room, members), np.int64), np.empty((room, members, CORNERS, 2))
-    program, supports, ahead = new_program(CORNERS), np.empty((CORNERS + 1, 4)), np.empty(2 * width, np.int64)
+    lp, supports, ahead = new_program(CORNERS), np.empty((CORNERS + 1, 4)), np.empty(2 * width, np.int64)
     frames[0], parents[0], counts[0] = 0, -1, 4
     for m in range(members):
         free_states(middle[m], half[m], 0, corners[0, m])
@@ -183,7 +178,7 @@ def forward(middle, half, width, stride, most):
         far = frames[s0] + 1
         for s in range(s0, s1):
             reached = group_reach(
-                program,
+                lp,
                 corners[s],
                 counts[s],
                 middle,
@@ -214,7 +209,7 @@ def forward(middle, half, width, stride, most):
                         free_states(middle[m], half[m], j, corners[end, m])
                 elif frames[s] < j and best < np.inf:
                     area = group_arrive(
-                        program,
+                        lp,
                         corners[s],
                         counts[s],
                         middle,
