@@ -35,6 +35,7 @@ def application(asked: str | None = None) -> App:
         help_format="plaintext",
         version=f"mocurve {__version__}",
         default_parameter=Parameter(negative=()),
+        group_parameters="Options",
         exit_on_error=False,
         print_error=False,
         suppress_keyboard_interrupt=False,

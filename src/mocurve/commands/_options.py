@@ -13,11 +13,13 @@ from typing import Annotated, Any, get_type_hints
 from cyclopts import Parameter
 
 from ..errors import OptionError
+from ..formats import FORMATS
 
-Json = Annotated[bool, Parameter(help="Print one JSON object and nothing else.")]
+Source = Annotated[Path, Parameter(help=f"A clip: {' '.join(FORMATS)}")]
+Json = Annotated[bool, Parameter(show_default=False, help="Print one JSON object and nothing else.")]
 Html = Annotated[Path | None, Parameter(help="Write a page to look at here (one file, works without a network).")]
 Unit = Annotated[
-    float | str | None,
+    str | None,
     Parameter(
         help="Length unit of the file: mm, cm, m, in, ft, or metres as a number. Else guessed from the body's height."
     ),

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from .. import measure
 from ..formats import read
-from ._options import Html, Json, Unit, keep_apart, print_json
+from ._options import Html, Json, Source, Unit, keep_apart, print_json
 
 
-def compare(before: Path, after: Path, /, *, html: Html = None, unit: Unit = None, json: Json = False) -> None:
+def compare(before: Source, after: Source, /, *, html: Html = None, unit: Unit = None, json: Json = False) -> None:
     """What changed between two clips: per channel, per joint, and as a page to look at.
 
-    Both must have the same skeleton. Errors are in degrees, in the file's length unit, and in space.
+    Both must have the same skeleton. Errors are in degrees, in the file's length
+    unit, and in space: how far joints and ends of limbs are from where they were.
 
-    Example:
+    For example:
       mocurve compare jump.bvh jump.curves.json --html jump.html
     """
     keep_apart(before, html)

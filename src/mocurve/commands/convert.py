@@ -8,17 +8,18 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from ..formats import read, write
-from ._options import Unit, keep_apart
+from ._options import Source, Unit, keep_apart
 
-Lossless = Annotated[bool, Parameter(help="Write numbers so that they read back bit for bit, not with six decimals.")]
+Lossless = Annotated[bool, Parameter(show_default=False, help="Write all digits of every number, not six decimals.")]
 
 
-def convert(source: Path, target: Path, /, *, unit: Unit = None, lossless: Lossless = False) -> None:
-    """The same clip in another format; the extensions say which: .bvh .csv .npz .curves.json
+def convert(source: Source, target: Path, /, *, unit: Unit = None, lossless: Lossless = False) -> None:
+    """The same clip in another format.
 
-    Keys become samples where the format knows only samples. Samples do not become keys: that is `mocurve reduce`.
+    The extensions say which. Keys become samples where the format knows only
+    samples. Samples do not become keys: that is `mocurve reduce`.
 
-    Example:
+    For example:
       mocurve convert jump.curves.json jump.bvh
     """
     keep_apart(source, target)

@@ -12,10 +12,13 @@ from ..errors import OptionError
 def example(folder: Path = Path(), /) -> None:
     """Put a real capture, jump.bvh, into a folder to try things on.
 
-    Two forward jumps: 420 frames at 120 fps, 31 joints, 96 channels. Cut from CMU's motion capture database, clip 01_01
-    (mocap.cs.cmu.edu; created with funding from NSF EIA-0196217).
+    Two jumps forward: 420 frames at 120 fps, 31 joints, 96 channels. Cut from clip
+    01_01 of CMU's motion capture database (mocap.cs.cmu.edu; created with funding
+    from NSF EIA-0196217).
 
-    Example: mocurve example && mocurve info jump.bvh
+    For example:
+      mocurve example
+      mocurve info jump.bvh
     """
     target = folder / "jump.bvh"
     if target.exists() and target.read_bytes() != shipped().read_bytes():

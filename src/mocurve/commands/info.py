@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import json as notation
-from pathlib import Path
 
 from .. import info as questions
 from ..formats import read
 from ..keyed import KeyedMotion
-from ._options import Json, Unit
+from ._options import Json, Source, Unit
 
 
-def info(file: Path, /, *, unit: Unit = None, json: Json = False) -> None:
+def info(file: Source, /, *, unit: Unit = None, json: Json = False) -> None:
     """What a file holds: skeleton, channels, frames, length unit, and what is odd about it.
 
-    Files do not say their length unit: it is guessed from the height of the body at rest, and said.
+    Files do not say their length unit: it is guessed from the height of the body at
+    rest, and the guess is told.
 
-    Example:
+    For example:
       mocurve info jump.bvh
     """
     clip = read(file, unit=unit)

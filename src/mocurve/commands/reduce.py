@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 from cyclopts import Parameter
 
 from .. import reduction
 from ..formats import read, write
-from ._options import Html, Json, Unit, keep_apart, print_json, with_options_of
+from ._options import Html, Json, Source, Unit, keep_apart, print_json, with_options_of
 from ._terminal import told_when_compiling
 
 Output = Annotated[
@@ -22,17 +22,29 @@ Output = Annotated[
 
 @with_options_of(reduction.reduce)
 def reduce(
-    file: Path, /, *, output: Output = None, html: Html = None, unit: Unit = None, json: Json = False, **options: object
+    file: Source,
+    /,
+    *,
+    output: Output = None,
+    html: Html = None,
+    unit: Unit = None,
+    json: Json = False,
+    **options: Any,
 ) -> None:
     """Few Hermite keys instead of a sample at every frame; nothing moves more than the tolerance.
 
-    The promise is checked at every frame. A tolerance is a length in space (2mm 0.2cm 0.05in 0.1%height 0.35u, where u
-    is the file's unit) or holds for each channel (0.5deg 0.5%range), for all or for one joint or channel, always or
-    from one second to another: LeftHand=0.5mm  @1.2..2.0=0.2mm  LeftHand@1.2..2.0=0.2mm  LeftKnee.Xrotation=0.1deg
+    The promise is checked at every frame. Give --tolerance as often as needed:
+      2mm  0.2cm  0.05in     how far any joint may be from where it was, in space
+      0.1%height             the same, as a part of the body's height at rest
+      0.35u                  the same, in the file's own unit
+      0.5deg  0.5%range      how far any channel may be off
+      LeftHand=0.5mm         only this joint (or LeftArm.Xrotation=0.1deg)
+      @1.2..2.0=0.2mm        only from second 1.2 to second 2.0
+      LeftHand@1..2=0.2mm    both
 
-    Examples:
+    For example:
       mocurve reduce jump.bvh -o jump.curves.json --html jump.html
-      mocurve reduce jump.bvh -o jump.bvh.npz --tolerance 2mm --tolerance LeftHand=0.5mm
+      mocurve reduce jump.bvh -o small.bvh --tolerance 2mm --tolerance '*Hand=0.5mm'
     """
     keep_apart(file, output, html)
     clip = read(file, unit=unit)

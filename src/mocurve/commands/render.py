@@ -9,18 +9,18 @@ from cyclopts import Parameter
 
 from .. import draw
 from ..formats import read
-from ._options import keep_apart, with_options_of
+from ._options import Source, keep_apart, with_options_of
 
 Output = Annotated[Path, Parameter(name=("--output", "-o"), help="The picture: .png or .gif.")]
 
 
 @with_options_of(draw.render)
-def render(file: Path, second: Path | None = None, /, *, output: Output, **options: Any) -> None:
+def render(file: Source, second: Source | None = None, /, *, output: Output, **options: Any) -> None:
     """A picture (.png) or an animation (.gif) of the moving figure.
 
     A second clip is drawn over the first, to see where they differ.
 
-    Examples:
+    For example:
       mocurve render jump.bvh -o jump.gif
       mocurve render jump.bvh jump.curves.json -o both.png --view side
     """
