@@ -9,16 +9,16 @@ from typing import Protocol
 from ..errors import OptionError
 from ..keyed import KeyedMotion
 from ..motion import Clip, Motion
-from . import bvh
+from . import bvh, csv, curves_json, npz
 
-FORMATS = {".bvh": bvh}
+FORMATS = {".bvh": bvh, ".curves.json": curves_json, ".csv": csv, ".npz": npz}
 UNITS = {"mm": 0.001, "cm": 0.01, "m": 1.0, "in": 0.0254, "inch": 0.0254, "ft": 0.3048}  # metres
 
 
 def read(path: str | PathLike[str], *, unit: str | float | None = None) -> Motion | KeyedMotion:
     """Read a clip; the extension says which format.
 
-    unit: what one length unit of the file is, "mm" "cm" "m" "in" "ft" or metres as a number; None keeps what the file says.
+    unit: what one length unit is, "mm" "cm" "m" "in" "ft" or metres as a number; None keeps what the file says.
     OptionError for an extension or unit that is not known, FileError for a file that cannot be read.
 
         walk = mc.read("walk.bvh", unit="inch")

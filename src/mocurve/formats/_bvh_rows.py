@@ -128,7 +128,7 @@ class Lines:
 def check_lines(lines: Lines, channels: int, frames: int, path: Path) -> None:
     """FileError unless the lines of numbers make rows of `channels` numbers beyond doubt.
 
-    Either each line holds whole rows. Or rows are wrapped, and then there are exactly as many numbers as the file says, and
+    Either each line holds whole rows. Or rows are wrapped: then there are exactly as many numbers as the file says, and
     each row begins on a line of its own or no line has the length of a row by chance. All else is a row that was cut.
     """
     if all(count % channels == 0 for count in lines.counts):
@@ -140,15 +140,14 @@ def check_lines(lines: Lines, channels: int, frames: int, path: Path) -> None:
     if cut is not None and (lines.counts[0] % channels == 0 or channels in lines.counts or exact):
         line, numbers = cut
         raise FileError(f"{channels} numbers expected, {numbers} found", path, line)
-    raise FileError(
-        f"{frames} frames of {channels} numbers announced, but {lines.total} numbers found in lines that hold no whole rows",
-        path,
-        lines.last_line,
+    told = (
+        f"{frames} frames of {channels} numbers announced, {lines.total} numbers found in lines that hold no whole rows"
     )
+    raise FileError(told, path, lines.last_line)
 
 
 def _first_cut_row(lines: Lines, channels: int) -> tuple[int, int] | None:
-    """The line and count of the first row that does not end where a line does, where each row begins on its own line."""
+    """Line and count of the first row that does not end where a line does, if each row begins on its own line."""
     begin = have = 0
     for first, count, times in lines.runs():
         if have == 0 and count % channels == 0:

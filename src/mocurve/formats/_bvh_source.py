@@ -61,7 +61,7 @@ class Source:
 
 
 def _decoded(data: bytes, whole: bool) -> tuple[str, str]:
-    """The text and its codec. No UTF-8: Shift-JIS if there are bytes that are no letters in Latin-1 and all fits, else Latin-1."""
+    """The text and its codec. No UTF-8: Shift-JIS if that fits and some bytes are no Latin-1 letters, else Latin-1."""
     japanese = any(128 <= byte < 160 for byte in set(data))
     for codec in ("utf-8", "cp932") if japanese else ("utf-8",):
         try:

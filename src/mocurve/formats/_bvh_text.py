@@ -1,9 +1,8 @@
-"""The text of a BVH file."""
+"""The text of a HIERARCHY."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 
 import numpy as np
 
@@ -12,7 +11,6 @@ from ..skeleton import Skeleton
 from ._bvh_header import MAX_NAME, end_site_name
 
 _INDENT = 40  # tabs at most: a chain of 100,000 joints must not become gigabytes of them
-_ROWS = 1 << 16  # numbers turned into text at a time
 
 
 def hierarchy(skeleton: Skeleton, lossless: bool) -> str:
@@ -58,7 +56,7 @@ def _check(skeleton: Skeleton) -> None:
         open_joints.append(joint)
         if re.search(r"[{}\r\n\0]|\A[ \t\f\v]|[ \t\f\v]\Z", name) or len(name) > MAX_NAME:
             raise Mismatch(
-                f"a BVH file cannot hold the joint name {name[:60]!r} (braces, line ends, blanks at an end, or too long)"
+                f"a BVH file cannot hold the joint name {name[:60]!r}: braces, line ends, blanks at an end, or too long"
             )
         if len(set(skeleton.channels[joint])) != len(skeleton.channels[joint]):
             raise Mismatch(f"joint {name!r} has a channel twice")
@@ -76,20 +74,3 @@ def _tabs(depth: int) -> str:
 
 def _number(value: float, lossless: bool) -> str:
     return repr(value) if lossless else f"{value:.6f}"
-
-
-def table(values: np.ndarray, lossless: bool) -> Iterator[bytes]:
-    """The rows of values (F, C) as text, a line a frame, some thousand numbers at a time."""
-    if not np.isfinite(values).all():
-        frame, channel = np.argwhere(~np.isfinite(values))[0]
-        raise Mismatch(
-            f"the value of channel {channel} in frame {frame} is {values[frame, channel]}, which no file can hold"
-        )
-    step = max(_ROWS // max(values.shape[1], 1), 1)
-    for first in range(0, len(values), step):
-        rows = values[first : first + step].tolist()
-        if lossless:
-            yield b"".join(" ".join(map(repr, row)).encode() + b"\n" for row in rows)
-        else:
-            form = " ".join(["%.6f"] * values.shape[1]) + "\n"
-            yield "".join([form % tuple(row) for row in rows]).encode()

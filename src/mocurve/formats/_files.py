@@ -51,5 +51,15 @@ def replacing(path: Path) -> Iterator[BinaryIO]:
         raise
 
 
+def encoded(text: str, path: Path) -> bytes:
+    """The text as UTF-8; FileError where a name holds half a character."""
+    try:
+        return text.encode()
+    except UnicodeEncodeError as error:
+        raise FileError(
+            f"cannot write: a name holds {error.object[error.start]!r}, which UTF-8 has not", path
+        ) from error
+
+
 def _reason(error: Exception) -> str:
     return (getattr(error, "strerror", None) or str(error)).lower()

@@ -37,8 +37,8 @@ _USUAL = [(1, rate) for rate in _RATES] + [(1001, rate * 1000) for rate in (24, 
 def snapped(digits: str) -> float:
     """Seconds for a frame time as a file has it: "0.0083333" is 1/120, since that is what these digits are of.
 
-    A usual rate (also the NTSC ones, k = 1001) that lies within the digits given is taken, else the only whole number of frames a
-    second that does; both only within half a percent. Where neither is there the digits mean themselves.
+    A usual rate (also the NTSC ones, k = 1001) that lies within the digits given is taken, else the only whole rate
+    that does; both only within half a percent. Where there is neither the digits mean themselves.
     """
     given = float(digits)
     top, bottom = _fraction(digits)

@@ -1,9 +1,10 @@
 """Decimal numbers in text, many at a time: bit for bit what float() makes of them, several times as fast.
 
-Numbers such as -12.345678 are read by arithmetic on whole columns of text. The digits before and behind the point are loaded
-as 8-byte words and turned into integers by three multiplications (D. Lemire, "Number parsing at a gigabyte per second",
-2021, section 4). With m = all digits as an integer < 2^53 and k <= 22 digits behind the point, m and 10^k are exact floats,
-so that the one rounding of m / 10^k is the right one (W. D. Clinger, "How to read floating point numbers accurately", 1990).
+Numbers such as -12.345678 are read by arithmetic on whole columns of text. The digits before and behind the point are
+loaded as 8-byte words and turned into integers by three multiplications (D. Lemire, "Number parsing at a gigabyte per
+second", 2021). With m = all digits as an integer < 2^53 and k <= 22 digits behind the point, m and 10^k are exact floats,
+so that the one rounding of m / 10^k is the right one (W. D. Clinger, "How to read floating point numbers accurately",
+1990).
 Text that has anything else in it (exponents, more digits) goes through float() number by number.
 """
 
@@ -39,7 +40,7 @@ class NotANumber(ValueError):
 
 
 def parse(text: np.ndarray, newline: int) -> Block:
-    """The numbers of a text: uint8 characters, PAD blanks first, a blank last. NotANumber names the first that is none."""
+    """The numbers of a text: uint8 characters, PAD blanks first, a blank last. NotANumber tells the first that is none."""
     gaps = text <= 32
     marks = np.flatnonzero(gaps | (text == ord(".")))
     is_point = text[marks] == ord(".")
@@ -58,7 +59,7 @@ def parse(text: np.ndarray, newline: int) -> Block:
 def _plain(
     text: np.ndarray, ends: np.ndarray, starts: np.ndarray, points: np.ndarray, point: np.ndarray
 ) -> np.ndarray | None:
-    """The numbers between starts and ends, None unless each is [-]digits[.digits] with at most 8 digits on each side."""
+    """The numbers between starts and ends, None unless each is [-]digits[.digits], at most 8 digits on each side."""
     if points.max() > 1:
         return None
     minus = text[starts] == ord("-")

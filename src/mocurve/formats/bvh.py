@@ -5,21 +5,20 @@ from __future__ import annotations
 import os
 import warnings
 
-from ..errors import FileError
 from ..motion import Clip, Motion
-from . import _bvh_header as header
 from . import _bvh_rows as rows
 from ._bvh_source import Source
-from ._bvh_text import hierarchy, table
-from ._files import Path, opened, replacing
+from ._bvh_text import hierarchy
+from ._files import Path, encoded, opened, replacing
 from ._frame_time import snapped, written
+from ._text import table
 
 
 def read(path: Path) -> Motion:
     """The motion in a BVH file, its numbers bit for bit and its channels in the order of the file.
 
-    The frame time becomes k/fps where that lies within its digits. Frames that are missing or more than announced, and names
-    in an old encoding, are warned of. FileError, with the line, for all that is not surely a BVH file.
+    The frame time becomes k/fps where that lies within its digits. Another count of frames than announced, and names in
+    an old encoding, are warned of. FileError, with the line, for all that is not surely a BVH file.
     """
     with opened(path) as file:
         source = Source(file, path)
@@ -35,17 +34,11 @@ def read(path: Path) -> Motion:
 
 
 def write(path: Path, clip: Clip, lossless: bool = False) -> None:
-    """Write the samples of a clip: six decimals, or with `lossless` the shortest digits that are read back as the same numbers."""
+    """Write the samples of a clip: six decimals, or with `lossless` the shortest digits that give the same numbers."""
     motion = clip.sample()
-    head = hierarchy(motion.skeleton, lossless)
-    try:
-        head_bytes = head.encode()
-    except UnicodeEncodeError as error:
-        raise FileError(
-            f"cannot write: a joint name holds {error.object[error.start]!r}, which UTF-8 has not", path
-        ) from error
+    timing = f"MOTION\nFrames: {motion.frames}\nFrame Time: {written(motion.frame_time)}\n"
+    head = encoded(hierarchy(motion.skeleton, lossless) + timing, path)
     with replacing(path) as file:
-        file.write(head_bytes)
-        file.write(f"MOTION\nFrames: {motion.frames}\nFrame Time: {written(motion.frame_time)}\n".encode())
-        for text in table(motion.values, lossless):
+        file.write(head)
+        for text in table(motion.values, lossless, " "):
             file.write(text)

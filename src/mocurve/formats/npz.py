@@ -1,0 +1,144 @@
+"""Samples and skeleton as NumPy arrays in a zip file; what is in it is told in docs/formats.md."""
+
+from __future__ import annotations
+
+import json
+import os
+import struct
+import zipfile
+import zlib
+from typing import Any
+
+import numpy as np
+
+from ..errors import FileError, MocurveError
+from ..motion import Clip, Motion
+from ..skeleton import Skeleton
+from ._files import Path, opened, replacing
+
+VERSION = 1
+_KINDS = {  # member: allowed NumPy kinds, dimensions
+    "version": ("iu", 0),
+    "values": ("f", 2),
+    "frame_time": ("f", 0),
+    "unit": ("f", 0),
+    "joint_names": ("U", 1),
+    "joint_channels": ("U", 1),
+    "parents": ("i", 1),
+    "offsets": ("f", 2),
+    "end_sites": ("b", 1),
+    "history": ("U", 0),
+}
+_BOMB, _RATIO = 1 << 28, 100  # more bytes than this from a hundredth of them in the file is no motion
+_MAX_HEADER = 10_000
+_UNREADABLE = (
+    zipfile.BadZipFile,
+    zlib.error,
+    struct.error,
+    ValueError,
+    TypeError,
+    OSError,
+    EOFError,
+    RuntimeError,
+    NotImplementedError,
+    SyntaxError,
+    OverflowError,
+)
+
+
+def read(path: Path) -> Motion:
+    """The motion in an NPZ file that `write` made; nothing in it is ever executed. FileError for all other files."""
+    with opened(path) as file:
+        size = os.fstat(file.fileno()).st_size
+        try:
+            with zipfile.ZipFile(file) as archive:
+                _check_sizes(archive, size, path)
+                data = {name: _member(archive, name, path) for name in _KINDS}
+            return _motion(data, path)
+        except FileError:
+            raise
+        except MocurveError as error:
+            raise FileError(f"its arrays make no motion: {error}", path) from error
+        except _UNREADABLE as error:
+            raise FileError(f"not an NPZ file of a motion: {error}", path) from error
+
+
+def write(path: Path, clip: Clip, lossless: bool = False) -> None:
+    """Write the samples of a clip, always with all digits."""
+    motion = clip.sample()
+    body = motion.skeleton
+    arrays = {
+        "version": np.array(VERSION),
+        "values": motion.values,
+        "frame_time": np.array(motion.frame_time),
+        "unit": np.array(np.nan if body.unit is None else body.unit),
+        "joint_names": _strings(body.names, path),
+        "joint_channels": _strings([" ".join(kinds) for kinds in body.channels], path),
+        "parents": body.parents,
+        "offsets": body.offsets,
+        "end_sites": body.end_sites,
+        "history": np.array(json.dumps(list(motion.history))),
+    }
+    with replacing(path) as file:
+        np.savez(file, **arrays)  # type: ignore[arg-type]  # its stubs take the arrays for its own options
+
+
+def _strings(texts: Any, path: Path) -> np.ndarray:
+    for text in texts:
+        if text.endswith("\0"):  # NumPy would drop it
+            raise FileError(f"cannot write: the name {text!r} ends in NUL", path)
+    return np.array(texts, np.str_).reshape(-1)
+
+
+def _check_sizes(archive: zipfile.ZipFile, size: int, path: Path) -> None:
+    """FileError where the members say that they unpack to far more than a file of this size holds."""
+    unpacked = sum(member.file_size for member in archive.infolist())
+    if unpacked > _BOMB and unpacked > _RATIO * size:
+        raise FileError(f"unpacks to {unpacked} bytes from {size}: a motion does not", path)
+
+
+def _member(archive: zipfile.ZipFile, name: str, path: Path) -> np.ndarray:
+    """One array, after its own account of its size has been checked against the zip's."""
+    try:
+        info = archive.getinfo(f"{name}.npy")
+    except KeyError:
+        raise FileError(f"the array {name!r} is not in it: no NPZ file of a motion", path) from None
+    with archive.open(info) as stream:
+        shape, dtype = _header(stream)
+        kinds, dimensions = _KINDS[name]
+        if dtype.kind not in kinds or len(shape) != dimensions:
+            raise FileError(
+                f"{name}: {dimensions} dimensions of kind {kinds!r} expected, {len(shape)} of {dtype} found", path
+            )
+        said = int(np.prod([float(n) for n in shape])) * dtype.itemsize
+        if said > info.file_size:
+            raise FileError(f"{name}: says {said} bytes, {info.file_size} are there", path)
+    with archive.open(info) as stream:
+        return np.lib.format.read_array(stream, allow_pickle=False, max_header_size=_MAX_HEADER)
+
+
+def _header(stream: Any) -> tuple[tuple[int, ...], np.dtype]:
+    version = np.lib.format.read_magic(stream)
+    read_header = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+    shape, _, dtype = read_header(stream, max_header_size=_MAX_HEADER)
+    return shape, dtype
+
+
+def _motion(data: dict[str, np.ndarray], path: Path) -> Motion:
+    if int(data["version"]) != VERSION:
+        raise FileError(f"version {VERSION} expected, {data['version']} found", path)
+    unit = float(data["unit"])
+    history = json.loads(str(data["history"]))
+    if not isinstance(history, list) or not all(isinstance(step, dict) for step in history):
+        raise FileError("history: a list of objects expected", path)
+    if not (np.isfinite(data["values"]).all() and np.isfinite(data["offsets"]).all()):
+        raise FileError("values, offsets: finite numbers expected", path)
+    body = Skeleton(
+        tuple(data["joint_names"].tolist()),
+        data["parents"],
+        data["offsets"],
+        tuple(tuple(kinds.split()) for kinds in data["joint_channels"].tolist()),
+        data["end_sites"],
+        None if np.isnan(unit) else unit,
+    )
+    return Motion(body, np.asfortranarray(data["values"], np.float64), float(data["frame_time"]), tuple(history))
