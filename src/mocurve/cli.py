@@ -56,6 +56,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if asked is not None and asked not in COMMANDS:
             raise UnknownName("command", asked, [*COMMANDS, *FLAGS])
         with warnings.catch_warnings(), Bar() as bar, listening(bar):
+            warnings.simplefilter("always", UserWarning)
             warnings.showwarning = _one_line
             application(asked)(tokens)
             sys.stdout.flush()  # a closed pipe shows here, not at exit

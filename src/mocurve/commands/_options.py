@@ -29,11 +29,11 @@ Unit = Annotated[
 def with_options_of(verb: Callable[..., Any]) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Give a command the keyword-only options of a verb in place of its own **options: names, types, defaults and help.
 
-    The help of an option is what the verb's docstring says in a line that starts with "name: ".
+    The help of an option is what the verb's docstring says after its name.
     """
     hints, told = get_type_hints(verb), _told(verb.__doc__ or "")
     taken = [
-        option.replace(annotation=Annotated[_typed(hints[option.name]), Parameter(help=told.get(option.name))])
+        option.replace(annotation=Annotated[_typed(hints[option.name]), Parameter(help=told[option.name])])
         for option in inspect.signature(verb).parameters.values()
         if option.kind is option.KEYWORD_ONLY
     ]
@@ -55,27 +55,41 @@ def _typed(hint: Any) -> Any:
 
 
 def _told(docstring: str) -> dict[str, str]:
-    """{"tolerance": "how far ..."} from lines "tolerance: how far ..." and the deeper ones after them."""
+    """{"tolerance": "How far ..."} from lines "tolerance: How far ..." or "tolerance", and the deeper ones after."""
     told: dict[str, str] = {}
-    name = ""
+    name, indent = "", 0
     for line in inspect.cleandoc(docstring).splitlines():
-        if start := re.fullmatch(r" *(\w+): +(.+)", line):
-            name = start[1]
-            told[name] = start[2]
-        elif name and line.startswith("  "):
-            told[name] += " " + line.strip()
+        depth = len(line) - len(line.lstrip())
+        if start := re.fullmatch(r" *(\w+)(?:: +(.+))?", line):
+            name, indent = start[1], depth
+            told[name] = start[2] or ""
+        elif name and depth > indent:
+            told[name] = f"{told[name]} {line.strip()}".lstrip()
         else:
             name = ""
     return told
 
 
-def keep_apart(source: Path, *outputs: Path | None) -> None:
-    """OptionError where a command would write over the file that it reads."""
+def check_outputs(source: Path, *outputs: Path | None) -> None:
+    """OptionError where a command would write over the file that it reads, or into a folder that is not there.
+
+    Asked before the work starts: it may take minutes.
+    """
     for output in outputs:
-        if output is not None and output.exists() and os.path.samefile(source, output):
+        if output is None:
+            continue
+        if not output.parent.is_dir():
+            raise OptionError(f"{output}: there is no folder {output.parent}")
+        if output.exists() and source.exists() and os.path.samefile(source, output):
             raise OptionError(f"{output} is the file that is read; write the result elsewhere")
 
 
-def print_json(found: dict[str, Any]) -> None:
-    """One JSON object on stdout; NaN is no JSON and never printed."""
-    print(json.dumps(found, allow_nan=False))
+def tell(found: Any, as_json: bool, *written: Path | None) -> None:
+    """What was found, as one JSON object on stdout or as text and the files that were written."""
+    if as_json:
+        print(json.dumps(found.to_json(), allow_nan=False))  # NaN is no JSON
+        return
+    print(found)
+    for path in written:
+        if path is not None:
+            print(f"wrote {path}")

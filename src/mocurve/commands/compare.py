@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from .. import measure
 from ..formats import read
-from ._options import Html, Json, Source, Unit, keep_apart, print_json
+from ._options import Html, Json, Source, Unit, check_outputs, tell
+from ._terminal import told_when_compiling
 
 
 def compare(before: Source, after: Source, /, *, html: Html = None, unit: Unit = None, json: Json = False) -> None:
@@ -16,9 +17,10 @@ def compare(before: Source, after: Source, /, *, html: Html = None, unit: Unit =
     For example:
       mocurve compare jump.bvh jump.curves.json --html jump.html
     """
-    keep_apart(before, html)
-    keep_apart(after, html)
-    report = measure.compare(read(before, unit=unit), read(after, unit=unit))
+    check_outputs(before, html)
+    check_outputs(after, html)
+    with told_when_compiling():
+        report = measure.compare(read(before, unit=unit), read(after, unit=unit))
     if html is not None:
         report.save(html)
-    print_json(report.to_json()) if json else print(report)
+    tell(report, json, html)

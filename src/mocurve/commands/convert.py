@@ -8,7 +8,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from ..formats import read, write
-from ._options import Source, Unit, keep_apart
+from ._options import Source, Unit, check_outputs
 
 Lossless = Annotated[bool, Parameter(show_default=False, help="Write all digits of every number, not six decimals.")]
 
@@ -22,6 +22,6 @@ def convert(source: Source, target: Path, /, *, unit: Unit = None, lossless: Los
     For example:
       mocurve convert jump.curves.json jump.bvh
     """
-    keep_apart(source, target)
+    check_outputs(source, target)
     write(target, read(source, unit=unit), lossless=lossless)
     print(f"wrote {target}")

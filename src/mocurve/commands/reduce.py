@@ -8,8 +8,9 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from .. import reduction
-from ..formats import read, write
-from ._options import Html, Json, Source, Unit, keep_apart, print_json, with_options_of
+from ..errors import UnknownName
+from ..formats import FORMATS, read, write
+from ._options import Html, Json, Source, Unit, check_outputs, tell, with_options_of
 from ._terminal import told_when_compiling
 
 Output = Annotated[
@@ -46,12 +47,15 @@ def reduce(
       mocurve reduce jump.bvh -o jump.curves.json --html jump.html
       mocurve reduce jump.bvh -o small.bvh --tolerance 2mm --tolerance '*Hand=0.5mm'
     """
-    keep_apart(file, output, html)
+    check_outputs(file, output, html)
+    if output is not None and not output.name.lower().endswith(tuple(FORMATS)):
+        raise UnknownName("format", output.suffix, FORMATS)
     clip = read(file, unit=unit)
     with told_when_compiling():
         keys = reduction.reduce(clip, **options)
+    assert keys.report is not None  # reduce always measures
     if output is not None:
         write(output, keys)
     if html is not None:
         keys.report.save(html)
-    print_json(keys.report.to_json()) if json else print(keys.report)
+    tell(keys.report, json, output, html)

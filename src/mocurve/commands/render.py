@@ -9,7 +9,8 @@ from cyclopts import Parameter
 
 from .. import draw
 from ..formats import read
-from ._options import Source, keep_apart, with_options_of
+from ._options import Source, check_outputs, with_options_of
+from ._terminal import told_when_compiling
 
 Output = Annotated[Path, Parameter(name=("--output", "-o"), help="The picture: .png or .gif.")]
 
@@ -24,8 +25,9 @@ def render(file: Source, second: Source | None = None, /, *, output: Output, **o
       mocurve render jump.bvh -o jump.gif
       mocurve render jump.bvh jump.curves.json -o both.png --view side
     """
-    keep_apart(file, output)
+    check_outputs(file, output)
     if second is not None:
-        keep_apart(second, output)
-    draw.render(read(file), output, None if second is None else read(second), **options)
+        check_outputs(second, output)
+    with told_when_compiling():
+        draw.render(read(file), output, None if second is None else read(second), **options)
     print(f"wrote {output}")
