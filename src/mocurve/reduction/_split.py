@@ -7,7 +7,9 @@ import numpy as np
 from .._jit import kernel
 from ._least_squares import hold, normal_equations, solve_band
 
-LOCAL_ROUNDS = 60  # rounds that split only the segments that are worse than their neighbours; later rounds split all that fail
+LOCAL_ROUNDS = (
+    60  # rounds that split only the segments that are worse than their neighbours; later rounds split all that fail
+)
 THICKEST = 1e3  # the fit sees no half-width below this part of the widest: thinner places get a key that is held
 
 
@@ -41,14 +43,15 @@ def chord_frames(y: np.ndarray, ratio: float) -> np.ndarray:
 
 
 @kernel
-def excess(middle: np.ndarray, half: np.ndarray, frames: np.ndarray, v: np.ndarray, m: np.ndarray, worst: np.ndarray):
-    """Raise worst (F,) to |curve - middle| / half of one member at every frame; 0 / 0 counts as 0."""
+def excess(middle, half, frames, v, leaving, arriving, worst):
+    """Raise worst (F,) to |curve - middle| / half of one member at every frame; 0 / 0 counts as 0. v, leaving, arriving (K,)."""
     for q in range(len(frames) - 1):
         a, b = frames[q], frames[q + 1]
         h, rise = float(b - a), v[q + 1] - v[q]
         for t in range(a, b + 1):
             s = (t - a) / h
-            curve = v[q] + (3.0 - 2.0 * s) * s * s * rise + s * (1.0 - s) * h * ((1.0 - s) * m[q] - s * m[q + 1])
+            bend = (1.0 - s) * leaving[q] - s * arriving[q + 1]
+            curve = v[q] + (3.0 - 2.0 * s) * s * s * rise + s * (1.0 - s) * h * bend
             error = abs(curve - middle[t])
             worst[t] = max(worst[t], error / half[t] if error > 0.0 else 0.0)
 
@@ -112,7 +115,7 @@ def grow(middle: np.ndarray, half: np.ndarray, start: np.ndarray):
         values, slopes, worst = np.empty((members, len(frames))), np.empty((members, len(frames))), np.zeros(count)
         for k in range(members):
             values[k], slopes[k] = fit(middle[k], weights[k], frames, held[frames])
-            excess(middle[k], half[k], frames, values[k], slopes[k], worst)
+            excess(middle[k], half[k], frames, values[k], slopes[k], slopes[k], worst)
         rounds += 1
         if not _marks(frames, worst, rounds > LOCAL_ROUNDS, on, held):
             return frames, values, slopes
