@@ -97,7 +97,7 @@ def inspect(motion: Motion, path: str | PathLike[str] | None = None) -> Info:
         duration=motion.duration,
         rest_height=height,
         unit=unit_of(motion) if height > 0 or skeleton.unit is not None else None,
-        oddities=tuple([*_odd_skeleton(motion), *_odd_frames(motion), *_odd_curves(motion)]),
+        oddities=(*_odd_skeleton(motion), *_odd_frames(motion), *_odd_curves(motion)),
     )
 
 
@@ -203,7 +203,7 @@ def _rotates(kind: str) -> bool:
 
 
 def _chosen(names: Sequence[str], chosen: np.ndarray) -> list[str]:
-    return [names[i] for i in np.flatnonzero(chosen)]
+    return [name for name, wanted in zip(names, chosen, strict=False) if wanted]
 
 
 def _names(names: Sequence[str]) -> str:
