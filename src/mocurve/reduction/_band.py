@@ -6,7 +6,8 @@ import numpy as np
 
 
 def inner(middle: np.ndarray, half: np.ndarray) -> np.ndarray:
-    """Half-widths (M, F) a little inside `half`, so that a curve kept inside them is inside `half` however it is evaluated.
+    """Half-widths (M, F) a little inside `half`, so that a curve kept inside them is inside `half` however it is
+    evaluated.
 
     Never negative: where the band is thinner than the rounding of the numbers in it, only the middle itself is left.
     """

@@ -1,8 +1,10 @@
-"""Kernels of dynamic.py: states of a key, the error of a segment as a quadratic form, and the shortest path over the keys.
+"""Kernels of dynamic.py: states of a key, the error of a segment as a quadratic form, and the shortest path over the
+keys.
 
-A state of a key is a frame (3), a value (3) and a slope (9). Its value and slope are counted from the present curve at that frame, so that
-a window slides along the curve. Of the offsets of one time pair, x = (value, slope, value, slope), a segment's squared error is
-base - 2 right . x + x . gram x, summed over the frames once for all 27 x 27 pairs of offsets.
+A state of a key is a frame (3), a value (3) and a slope (9). Its value and slope are counted from the present curve
+at that frame, so that a window slides along the curve. Of the offsets of one time pair, x = (value, slope, value,
+slope), a segment's squared error is base - 2 right . x + x . gram x, summed over the frames once for all 27 x 27
+pairs of offsets.
 """
 
 from __future__ import annotations
@@ -17,9 +19,11 @@ STEPS = (0, -1, 1)  # the centre of a window first: of equal costs the first sta
 
 @kernel
 def segment_form(y, a, va, ma, b, vb, mb, last, gram, right):
-    """The quadratic form of the segment from (a, va, ma) to (b, vb, mb) on y (F,): fills gram (4, 4), right (4,), returns base.
+    """The quadratic form of the segment from (a, va, ma) to (b, vb, mb) on y (F,): fills gram (4, 4), right (4,),
+    returns base.
 
-    It counts the frames from a to before b, and b itself where the segment is the last: each frame of a curve counts once.
+    It counts the frames from a to before b, and b itself where the segment is the last: each frame of a curve counts
+    once.
     """
     h, per_h, rise = float(b - a), 1.0 / (b - a), vb - va
     g00 = g10 = g11 = g20 = g21 = g22 = g30 = g31 = g32 = g33 = 0.0
@@ -73,7 +77,9 @@ def segment_holds(y, half, a, va, ma, b, vb, mb, last):
 
 @kernel
 def _centres(frames, values, slopes, arriving, reach):
-    """Window centres: frames (K, 3), and there the present curve's value, slope leaving and slope arriving (K, 3 states, 3)."""
+    """Window centres: frames (K, 3), and there the present curve's value, slope leaving and slope arriving (K, 3
+    states, 3).
+    """
     keys = len(frames)
     at, there = np.empty((keys, TIMES), np.int64), np.empty((keys, TIMES, 3))
     for q in range(keys):
@@ -111,7 +117,8 @@ def _halves(gram, right, i, v, m, out):
 
 @kernel
 def _relax(y, half, banded, at, there, q, i, j, last, v, m, before, total, came_from):
-    """Extend the cheapest paths to key q in its time i, costs before (27,), to key q + 1 in its time j: 729 combinations.
+    """Extend the cheapest paths to key q in its time i, costs before (27,), to key q + 1 in its time j: 729
+    combinations.
 
     v, m (2, 27): offsets of both keys. total, came_from (27,): best cost and the state of key q that it came from.
     """
@@ -146,7 +153,8 @@ def _relax(y, half, banded, at, there, q, i, j, last, v, m, before, total, came_
 def best_path(y, half, banded, frames, values, slopes, arriving, reach, value_window, slope_window):
     """One round for one member: the cheapest of all 81 ** K paths over the keys' states, by dynamic programming.
 
-    reach (K,): time windows in frames, 0 where the key stays (the ends do); they must not meet. value_window, slope_window (K,).
+    reach (K,): time windows in frames, 0 where the key stays (the ends do); they must not meet. value_window,
+    slope_window (K,).
     Returns frames, values, slopes, arriving (K,); unchanged where no path stays in the band.
     """
     keys = len(frames)

@@ -1,4 +1,7 @@
-"""Kernels of linear.py: a breadth-first search over frames. `skip` leads to the frames that no chord has reached yet."""
+"""Kernels of linear.py: a breadth-first search over frames.
+
+`skip` leads to the frames that no chord has reached yet.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,10 @@ STRIDE = 8  # frames between the looks of the first, coarse test of a cone
 
 @kernel
 def _next_open(skip: np.ndarray, frame: int) -> int:
-    """First frame from `frame` on that no chord has reached yet; F where there is none. Paths are shortened on the way."""
+    """First frame from `frame` on that no chord has reached yet; F where there is none.
+
+    Paths are shortened on the way.
+    """
     root = frame
     while skip[root] != root:
         root = skip[root]
@@ -24,7 +30,8 @@ def _next_open(skip: np.ndarray, frame: int) -> int:
 def _hopeful(middle: np.ndarray, half: np.ndarray, i: int, skip: np.ndarray) -> bool:
     """Whether chords of one member (F,) from frame i may reach an open frame, judged by every STRIDE-th frame between.
 
-    Without this test a long flat stretch costs the square of its length: each of its frames would walk to its end for nothing.
+    Without this test a long flat stretch costs the square of its length: each of its frames would walk to its end for
+    nothing.
     """
     low, high = -np.inf, np.inf
     t, j = i + STRIDE, _next_open(skip, i + 1)
@@ -62,7 +69,8 @@ def _walk(middle: np.ndarray, half: np.ndarray, inverse: np.ndarray, i: int, end
 
 @kernel
 def fewest_chords(middle: np.ndarray, half: np.ndarray) -> np.ndarray:
-    """Key frames (K,) of the shortest chain of chords from the first frame to the last that keeps |chord - middle| <= half.
+    """Key frames (K,) of the shortest chain of chords from the first frame to the last that keeps |chord - middle| <=
+    half.
 
     middle, half: (M, F). Level by level: level c holds the frames that c chords reach and c - 1 do not, furthest first.
     """

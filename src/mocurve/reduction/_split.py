@@ -15,7 +15,8 @@ THICKEST = 1e3  # the fit sees no half-width below this part of the widest: thin
 
 @kernel
 def chord_frames(y: np.ndarray, ratio: float) -> np.ndarray:
-    """Frames (K,) that recursive splitting keeps: the height over the chord, divided by the chord's length, exceeds the ratio.
+    """Frames (K,) that recursive splitting keeps: the height over the chord, divided by the chord's length, exceeds
+    the ratio.
 
     A stack instead of recursion: 135,000 frames may split 135,000 deep.
     """
@@ -44,7 +45,10 @@ def chord_frames(y: np.ndarray, ratio: float) -> np.ndarray:
 
 @kernel
 def excess(middle, half, frames, v, leaving, arriving, worst):
-    """Raise worst (F,) to |curve - middle| / half of one member at every frame; 0 / 0 counts as 0. v, leaving, arriving (K,)."""
+    """Raise worst (F,) to |curve - middle| / half of one member at every frame; 0 / 0 counts as 0.
+
+    v, leaving, arriving (K,).
+    """
     for q in range(len(frames) - 1):
         a, b = frames[q], frames[q + 1]
         h, rise = float(b - a), v[q + 1] - v[q]
@@ -58,7 +62,9 @@ def excess(middle, half, frames, v, leaving, arriving, worst):
 
 @kernel
 def fit(middle: np.ndarray, weights: np.ndarray, frames: np.ndarray, held: np.ndarray):
-    """Values and slopes (K,) of one member with the least weighted squared error; held (K,): keys that keep the middle's value."""
+    """Values and slopes (K,) of one member with the least weighted squared error; held (K,): keys that keep the
+    middle's value.
+    """
     keys, base = len(frames), middle[frames[0]]  # counted from here: a large offset leaves the digits to the shape
     y = middle - base
     band, solution = np.empty((2 * keys, 4)), np.empty(2 * keys)
@@ -72,9 +78,11 @@ def fit(middle: np.ndarray, weights: np.ndarray, frames: np.ndarray, held: np.nd
 
 @kernel
 def _marks(frames: np.ndarray, worst: np.ndarray, everywhere: bool, on: np.ndarray, held: np.ndarray) -> bool:
-    """Mark new keys where segments fail and hold the keys that fail themselves; False where there is nothing left to do.
+    """Mark new keys where segments fail and hold the keys that fail themselves; False where there is nothing left to
+    do.
 
-    A new key comes on the segment's worst frame, moved into its middle half: shorter pieces were measured to cost 1.2x the keys.
+    A new key comes on the segment's worst frame, moved into its middle half: shorter pieces were measured to cost
+    1.2x the keys.
     """
     segments = len(frames) - 1
     peaks, places = np.zeros(segments), np.zeros(segments, np.int64)

@@ -1,13 +1,15 @@
 """Curve fitting by dynamic programming (Önder 2007, sections 3.1 and B.1): it polishes keys, their number stays.
 
-A key is predicted where the first or second derivative changes sign. Around each key lies a search window in time, value and slope with
-3 x 3 x 9 = 81 states; 81 x 81 combinations of states shape a segment; the cheapest path over all keys, by the sum of squared errors at
-the frames, moves the keys; the windows are halved, and again.
+A key is predicted where the first or second derivative changes sign. Around each key lies a search window in time,
+value and slope with 3 x 3 x 9 = 81 states; 81 x 81 combinations of states shape a segment; the cheapest path over all
+keys, by the sum of squared errors at the frames, moves the keys; the windows are halved, and again.
 
-Ours: the thesis's tangent vector has a time and a value component, 3 x 3 states. A curve over time, (time, value) with the handles at a
-third of the interval, knows only the slope. So the value component moves the slope by a whole step of its window and the time component
-by a third of a step: nine evenly spaced slopes, none twice. The error of a segment is a quadratic form in its two values and two slopes,
-so that its frames are summed once for 729 combinations. Nothing is accepted that does not lessen the error.
+Ours: the thesis's tangent vector has a time and a value component, 3 x 3 states. A curve over time, (time, value)
+with the handles at a third of the interval, knows only the slope. So the value component moves the slope by a whole
+step of its window and the time component
+by a third of a step: nine evenly spaced slopes, none twice. The error of a segment is a quadratic form in its two
+values and two slopes, so that its frames are summed once for 729 combinations. Nothing is accepted that does not
+lessen the error.
 """
 
 from __future__ import annotations
@@ -31,8 +33,9 @@ STEEP = 4.0  # slope window: so many value windows over the frames to the neares
 def solve(middle: np.ndarray, half: np.ndarray, quality: str = "default") -> Keys:
     """Keys of M channels with shared times: |curve - middle| <= half holds at every frame.
 
-    The thesis's start and search, which know no tolerance, then more keys where the band is left (as split does; none is taken
-    away), then the search again, inside the band. middle, half: (M, F), in the channel's unit. quality: not used.
+    The thesis's start and search, which know no tolerance, then more keys where the band is left (as split does; none
+    is taken away), then the search again, inside the band. middle, half: (M, F), in the channel's unit. quality: not
+    used.
     """
     if middle.shape[1] < 3:
         return grown(np.arange(middle.shape[1]), middle, half)
@@ -49,9 +52,10 @@ def thesis_keys(samples: np.ndarray) -> Keys:
 def initial_keys(middle: np.ndarray, half: np.ndarray | None = None) -> Keys:
     """First and last frame, and every frame where the first or second derivative of the smoothed channel changes sign.
 
-    Of M members (M, F) that share keys: where the product of both derivatives, summed over the members, changes sign; for one member
-    that is the same. Smoothing: a Gaussian of SIGMA frames; with a band, the widest of SIGMA, 2 SIGMA, 4 SIGMA ... that moves
-    no more than FORGIVEN of the samples by the band's width: wiggles below the tolerance deserve no key. Values are the smoothed channel's, slopes its central differences.
+    Of M members (M, F) that share keys: where the product of both derivatives, summed over the members, changes sign;
+    for one member that is the same. Smoothing: a Gaussian of SIGMA frames; with a band, the widest of SIGMA, 2 SIGMA,
+    4 SIGMA ... that moves no more than FORGIVEN of the samples by the band's width: wiggles below the tolerance
+    deserve no key. Values are the smoothed channel's, slopes its central differences.
     """
     count, sigma = middle.shape[1], SIGMA
     smooth = _smoothed(middle, sigma)
@@ -69,7 +73,9 @@ def initial_keys(middle: np.ndarray, half: np.ndarray | None = None) -> Keys:
 
 
 def _smoothed(y: np.ndarray, sigma: float) -> np.ndarray:
-    """Gaussian smoothing of (M, F) that keeps straight lines: continued beyond its ends by its own image, turned about the end."""
+    """Gaussian smoothing of (M, F) that keeps straight lines: continued beyond its ends by its own image, turned
+    about the end.
+    """
     reach = min(int(4 * sigma) + 1, y.shape[1] - 1)
     before, after = 2 * y[:, :1] - y[:, reach:0:-1], 2 * y[:, -1:] - y[:, -2 : -2 - reach : -1]
     wide = gaussian_filter1d(np.concatenate([before, y, after], axis=1), sigma, axis=1)
@@ -86,9 +92,9 @@ def _signs(x: np.ndarray) -> np.ndarray:
 def refine_keys(keys: Keys, middle: np.ndarray, half: np.ndarray | None = None) -> Keys:
     """The same number of keys with a smaller or equal sum of squared errors to middle (M, F), by dynamic programming.
 
-    half: (M, F) a band that the keys keep now and shall keep: no key moves to where a frame leaves it. The first and last key stay
-    in time, and so does a key with a broken tangent, whose two slopes turn together. Members share their times: the
-    times move first, together, then each member's values and slopes.
+    half: (M, F) a band that the keys keep now and shall keep: no key moves to where a frame leaves it. The first and
+    last key stay in time, and so does a key with a broken tangent, whose two slopes turn together. Members share
+    their times: the times move first, together, then each member's values and slopes.
     """
     middle = np.ascontiguousarray(middle)
     if len(keys.frames) < 2 or middle.shape[1] < 3:
@@ -123,7 +129,9 @@ def _room(frames: np.ndarray) -> np.ndarray:
 def _windows(
     middle: np.ndarray, frames: np.ndarray, *curve: np.ndarray
 ) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray]:
-    """First windows: (value, slope) each (M, K), from the largest error beside the key; and in time (K,), up to the neighbours' half."""
+    """First windows: (value, slope) each (M, K), from the largest error beside the key; and in time (K,), up to the
+    neighbours' half.
+    """
     errors = np.stack([_errors(y, frames, *part) for y, *part in zip(middle, *curve, strict=True)])
     largest = np.maximum.reduceat(errors, frames[:-1], axis=1)
     beside = np.maximum(np.pad(largest, ((0, 0), (1, 0))), np.pad(largest, ((0, 0), (0, 1))))

@@ -1,10 +1,10 @@
 """Curve simplification: split where the curve is farthest (Önder 2007, sections 3.2 and B.2, after Lowe 1987).
 
-Two forms. `with_ratio` is the thesis's: split at the largest height over the chord while height / chord length exceeds a ratio, then
-"the optimum values for the tangents": least squares on all slopes at once, the values held. Its ratio mixes frames with the channel's
-unit, so that it depends on both and bounds no error. `solve` is ours: it keeps a tolerance. It splits on the error of the fitted
-curve instead of the chord's, since cubics with good tangents need far fewer keys than chords do: fit, split the segments that fail
-worst at their worst frame, fit again.
+Two forms. `with_ratio` is the thesis's: split at the largest height over the chord while height / chord length
+exceeds a ratio, then "the optimum values for the tangents": least squares on all slopes at once, the values held. Its
+ratio mixes frames with the channel's unit, so that it depends on both and bounds no error. `solve` is ours: it keeps
+a tolerance. It splits on the error of the fitted curve instead of the chord's, since cubics with good tangents need
+far fewer keys than chords do: fit, split the segments that fail worst at their worst frame, fit again.
 """
 
 from __future__ import annotations
@@ -27,7 +27,9 @@ def solve(middle: np.ndarray, half: np.ndarray, quality: str = "default") -> Key
 
 
 def grown(start: np.ndarray, middle: np.ndarray, half: np.ndarray) -> Keys:
-    """Keys at the frames `start` (K,), first and last among them, and at as many more as the band (M, F) needs; none is taken away."""
+    """Keys at the frames `start` (K,), first and last among them, and at as many more as the band (M, F) needs; none
+    is taken away.
+    """
     if middle.shape[1] == 1:
         return Keys(start, middle.copy(), np.zeros_like(middle))
     return Keys(*grow(np.ascontiguousarray(middle), inner(middle, half), start))
@@ -36,8 +38,9 @@ def grown(start: np.ndarray, middle: np.ndarray, half: np.ndarray) -> Keys:
 def ratio_keys(y: np.ndarray, ratio: float) -> np.ndarray:
     """Key frames (K,) of the thesis's recursion on one channel y (F,).
 
-    A segment is split at the frame with the largest perpendicular distance from its chord while that distance divided by the chord's
-    length is over `ratio`; the plane is (frames, channel unit), as in B.2. (Step 3 of 3.2 words the test the other way round.)
+    A segment is split at the frame with the largest perpendicular distance from its chord while that distance divided
+    by the chord's length is over `ratio`; the plane is (frames, channel unit), as in B.2. (Step 3 of 3.2 words the
+    test the other way round.)
     """
     if not ratio >= 0:
         raise OptionError(f"ratio is height over chord length, a number from 0 on, not {ratio!r}")
@@ -45,11 +48,16 @@ def ratio_keys(y: np.ndarray, ratio: float) -> np.ndarray:
 
 
 def with_ratio(samples: np.ndarray, ratio: float) -> Keys:
-    """The thesis's curve simplification of one channel (F,): keys on samples, then the optimal tangents. It promises no tolerance."""
+    """The thesis's curve simplification of one channel (F,): keys on samples, then the optimal tangents.
+
+    It promises no tolerance.
+    """
     y = np.ascontiguousarray(samples, np.float64)
     return optimal_tangents(y, ratio_keys(y, ratio))
 
 
 def optimal_tangents(y: np.ndarray, frames: np.ndarray) -> Keys:
-    """The C1 curve through the samples y (F,) at the frames (K,) whose slopes make the squared error least over all frames."""
+    """The C1 curve through the samples y (F,) at the frames (K,) whose slopes make the squared error least over all
+    frames.
+    """
     return Keys(frames, y[None, frames], fit_slopes(frames, y[frames], y, np.ones_like(y))[None])
