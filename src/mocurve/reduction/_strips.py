@@ -63,7 +63,12 @@ def start_basis(lp, count, y, half, i, j, span):
             other, most = a, cross
     mid = (i + j) // 2
     lp[ID, 0], lp[ID, 1], lp[ID, 2], lp[ID, 3] = -1, -1 - other, mid, j
-    lp[CENTRE, 0], lp[CENTRE, 1], lp[CENTRE, 2], lp[CENTRE, 3] = lp[EDGES, 2], lp[EDGES + other, 2], y[mid] - y[i], y[j] - y[i]
+    lp[CENTRE, 0], lp[CENTRE, 1], lp[CENTRE, 2], lp[CENTRE, 3] = (
+        lp[EDGES, 2],
+        lp[EDGES + other, 2],
+        y[mid] - y[i],
+        y[j] - y[i],
+    )
     lp[HALF, 0], lp[HALF, 1], lp[HALF, 2], lp[HALF, 3] = lp[EDGES, 3], lp[EDGES + other, 3], half[mid], half[j]
     a, b, c, d = lp[EDGES, 0], lp[EDGES, 1], lp[EDGES + other, 0], lp[EDGES + other, 1]
     det = 1.0 / (a * d - b * c)
@@ -74,8 +79,18 @@ def start_basis(lp, count, y, half, i, j, span):
     lp[INVERSE, 0], lp[INVERSE, 1], lp[INVERSE, 2], lp[INVERSE, 3] = a, b, 0.0, 0.0
     lp[INVERSE + 1, 0], lp[INVERSE + 1, 1], lp[INVERSE + 1, 2], lp[INVERSE + 1, 3] = c, d, 0.0, 0.0
     s, t, u, v = a + p * c, b + p * d, a + q * c, b + q * d
-    lp[INVERSE + 2, 0], lp[INVERSE + 2, 1], lp[INVERSE + 2, 2], lp[INVERSE + 2, 3] = -e * s - f * u, -e * t - f * v, e, f
-    lp[INVERSE + 3, 0], lp[INVERSE + 3, 1], lp[INVERSE + 3, 2], lp[INVERSE + 3, 3] = -g * s - h * u, -g * t - h * v, g, h
+    lp[INVERSE + 2, 0], lp[INVERSE + 2, 1], lp[INVERSE + 2, 2], lp[INVERSE + 2, 3] = (
+        -e * s - f * u,
+        -e * t - f * v,
+        e,
+        f,
+    )
+    lp[INVERSE + 3, 0], lp[INVERSE + 3, 1], lp[INVERSE + 3, 2], lp[INVERSE + 3, 3] = (
+        -g * s - h * u,
+        -g * t - h * v,
+        g,
+        h,
+    )
 
 
 @kernel(fastmath=True)
@@ -146,7 +161,13 @@ def exchange(lp, k, excess, y, half, i, per_span):
         for a in range(4):
             lp[r, a] -= w * alpha[a]
         lp[r, out] = w
-    lp[ID, out], lp[SIDE, out], lp[MULTIPLIER, out], lp[CENTRE, out], lp[HALF, out] = k, sign, sign * step, centre, width
+    lp[ID, out], lp[SIDE, out], lp[MULTIPLIER, out], lp[CENTRE, out], lp[HALF, out] = (
+        k,
+        sign,
+        sign * step,
+        centre,
+        width,
+    )
     return True
 
 
