@@ -62,7 +62,7 @@ def test_the_logarithm_undoes_the_exponential_up_to_a_half_turn(v: np.ndarray) -
 @given(vectors, st.sampled_from([0.0, 1e-300, 1e-20, 1e-13, 1e-12, 1e-11, 1e-8, 1e-4]))
 def test_logarithm_and_exponential_are_exact_near_none_and_near_a_half_turn(v: np.ndarray, off: float) -> None:
     axis = v / max(np.linalg.norm(v), 1e-9) if np.linalg.norm(v) > 1e-6 else np.array([0.0, 0.6, 0.8])
-    np.testing.assert_allclose(rotation.log(rotation.exp(axis * off)), axis * off, rtol=1e-12, atol=0)
+    np.testing.assert_allclose(rotation.log(rotation.exp(axis * off)), axis * off, rtol=1e-12, atol=1e-307)
     half_turn = rotation.exp(axis * (np.pi - off))
     assert np.linalg.norm(rotation.log(half_turn)) == pytest.approx(np.pi - off, rel=1e-14)
     assert same(rotation.exp(rotation.log(half_turn)), half_turn, 1e-12)
@@ -191,7 +191,8 @@ def test_unrolling_keeps_every_rotation_and_worsens_no_jump(order: str, angles: 
     assert same(rotation.from_euler(unrolled, order), rotation.from_euler(angles, order))
     assert (jumps(unrolled) <= np.minimum(jumps(angles), 180.0) + 1e-9).all()
     np.testing.assert_array_equal(unrolled[:1], angles[:1])
-    np.testing.assert_allclose(rotation.unroll_euler(unrolled, order), unrolled, atol=1e-9)
+    # not the angles: a jump of half a turn is as large either way
+    np.testing.assert_allclose(jumps(rotation.unroll_euler(unrolled, order)), jumps(unrolled), atol=1e-9)
 
 
 @given(clip.map(lambda angles: angles * 0.01))
@@ -217,7 +218,7 @@ def test_a_way_through_gimbal_lock_is_smooth_again(order: str) -> None:
 
 
 def test_a_leap_of_the_rotation_itself_exchanges_no_triple() -> None:
-    # a T-pose before the motion: the other triple of what follows would be a little nearer, and wrong for the whole clip
+    # a T-pose before the motion: the other triple of what follows is a little nearer, and wrong for the whole clip
     angles = np.array([[0.0, 0.0, 0.0], [154.4, -36.8, -111.4], [154.3, -36.9, -111.3]])
     np.testing.assert_array_equal(rotation.unroll_euler(angles, "ZYX"), angles)
 

@@ -136,7 +136,7 @@ def unroll_euler(degrees: np.ndarray, order: str) -> np.ndarray:
             exchanged = np.concatenate([[False], np.cumsum(exchange) % 2 == 1])
             result = np.where(exchanged[:, None], other, degrees)
     turns = np.zeros_like(result)
-    turns[1:] = np.cumsum(_whole_turns(result[:-1] - result[1:]), axis=0)
+    turns[1:] = np.cumsum(np.rint((result[:-1] - result[1:]) / 360.0), axis=0)
     return result + 360.0 * turns
 
 
@@ -153,14 +153,10 @@ def _checked(degrees: np.ndarray, order: str) -> np.ndarray:
     return degrees
 
 
-def _whole_turns(degrees: np.ndarray) -> np.ndarray:
-    return np.rint(degrees / (360.0 + 1e-9))  # a jump of just half a turn stays as it is, whatever its rounding
-
-
 def _jump(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Largest difference (F,) of angles (F, 3), not counting whole turns."""
     away = b - a
-    away -= 360.0 * _whole_turns(away)
+    away -= 360.0 * np.rint(away / 360.0)
     return np.abs(away).max(axis=1)
 
 
