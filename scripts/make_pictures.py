@@ -1,6 +1,6 @@
 """Make the picture of the README from the shipped capture: docs/pictures/curve.png.
 
-    python scripts/make_pictures.py
+python scripts/make_pictures.py
 """
 
 from __future__ import annotations
@@ -16,4 +16,4 @@ PICTURES = Path(__file__).resolve().parent.parent / "docs" / "pictures"
 if __name__ == "__main__":
     PICTURES.mkdir(exist_ok=True)
     jump = mc.read(example())
-    curves(jump, mc.reduce(jump, tolerance="2mm"), "LeftLeg.Xrotation", PICTURES / "curve.png")
+    curves(jump, mc.reduce(jump, tolerance="0.5%height"), "LeftLeg.Xrotation", PICTURES / "curve.png")

@@ -262,6 +262,13 @@ def test_warnings_are_one_line_each_and_no_refusal(short: Path, capsys: pytest.C
     assert "30" in err
 
 
+def test_the_same_warning_is_told_once(capsys: pytest.CaptureFixture[str]) -> None:
+    show = cli._told_once()
+    for text in ("odd", "odd", "odder"):
+        show(UserWarning(text), UserWarning, "file.py", 1, None, None)
+    assert capsys.readouterr().err == "warning: odd\nwarning: odder\n"
+
+
 # -- how it ends otherwise -------------------------------------------------------------------------
 def test_an_interrupt_ends_with_130(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     def interrupted(*_: object) -> None:

@@ -18,7 +18,7 @@ FILES = sorted(PACKAGE.rglob("*.py"))
 # A module may import what stands in a line above its own, and modules of its own line. A folder counts as one.
 LAYERS = [
     "errors",
-    "_jit progress data saving",
+    "_jit progress data",
     "rotation hermite",
     "skeleton",
     "motion",
@@ -76,6 +76,10 @@ def test_imports_go_only_downward(path: Path) -> None:
     assert own in LEVEL, f"{path.name} stands in no layer of this test"
     upward = {name for name in imported(path) if LEVEL[name] > LEVEL[own] and (own, name) not in LATE}
     assert not upward, f"{own} imports {upward}"
+
+
+def test_the_layers_are_the_rooms_that_exist() -> None:
+    assert set(LEVEL) == {room(path) for path in FILES if path != PACKAGE / "__init__.py"}
 
 
 @pytest.mark.parametrize("name", ["errors", "skeleton", "keyed"])

@@ -8,8 +8,7 @@ from __future__ import annotations
 import os
 import sys
 import warnings
-from collections.abc import Sequence
-from typing import TextIO
+from collections.abc import Callable, Sequence
 
 from cyclopts import App, CycloptsError, Parameter
 
@@ -57,7 +56,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             raise UnknownName("command", asked, [*COMMANDS, *FLAGS])
         with warnings.catch_warnings(), Bar() as bar, listening(bar):
             warnings.simplefilter("always", UserWarning)
-            warnings.showwarning = _one_line
+            warnings.showwarning = _told_once()
             application(asked)(tokens)
             sys.stdout.flush()  # a closed pipe shows here, not at exit
     except CycloptsError as error:
@@ -82,15 +81,17 @@ def _refuse(text: str) -> int:
     return REFUSED
 
 
-def _one_line(
-    message: Warning | str,
-    category: type[Warning],
-    filename: str,
-    lineno: int,
-    file: TextIO | None = None,
-    line: str | None = None,
-) -> None:
-    print("warning:", " ".join(str(message).split()), file=sys.stderr)
+def _told_once() -> Callable[..., None]:
+    """Shows each warning as one line on stderr, the same words only once."""
+    told: set[str] = set()
+
+    def show(message: Warning | str, *_: object) -> None:
+        text = " ".join(str(message).split())
+        if text not in told:
+            told.add(text)
+            print("warning:", text, file=sys.stderr)
+
+    return show
 
 
 if __name__ == "__main__":

@@ -60,11 +60,11 @@ def _told(docstring: str) -> dict[str, str]:
     name, indent = "", 0
     for line in inspect.cleandoc(docstring).splitlines():
         depth = len(line) - len(line.lstrip())
-        if start := re.fullmatch(r" *(\w+)(?:: +(.+))?", line):
+        if name and depth > indent:
+            told[name] = f"{told[name]} {line.strip()}".lstrip()
+        elif start := re.fullmatch(r" *(\w+)(?:: +(.+))?", line):
             name, indent = start[1], depth
             told[name] = start[2] or ""
-        elif name and depth > indent:
-            told[name] = f"{told[name]} {line.strip()}".lstrip()
         else:
             name = ""
     return told
