@@ -146,6 +146,8 @@ def test_wrong_options_are_refused(tmp_path):
         draw.render(pole(), tmp_path / "a.gif", frame=1)
     with pytest.raises(OptionError, match="the clip has no frames to draw"):
         draw.render(pole()[:0], tmp_path / "a.png")
+    with pytest.raises(OptionError, match="values that are not finite numbers"):
+        draw.render(replace(pole(), values=np.full((50, 12), np.nan)), tmp_path / "a.png")
     assert list(tmp_path.iterdir()) == []
 
 

@@ -99,6 +99,8 @@ def _figures(clip: Clip, second: Clip | None) -> list[scene.Figure]:
     if second is not None and second.frames:
         others = kinematics.world(second.sample(None if second.frame_time == clip.frame_time else clip.frame_time))
         places += [others[np.minimum(np.arange(clip.frames), len(others) - 1)]]  # the shorter stays in its last pose
+    if not all(np.isfinite(there).all() for there in places):
+        raise OptionError("a clip has values that are not finite numbers; they cannot be drawn")
     if scene.z_is_up(places[0]):
         places = [scene.y_up(there) for there in places]
     if second is None or len(places) < 2:

@@ -115,7 +115,7 @@ class Report:
         known["joints"] = tuple(JointError(**row) for row in known.get("joints", ()))
         return cls(**known)
 
-    def save(self, path: str | PathLike[str], *, sweep: bool = False) -> None:
+    def save(self, path: str | PathLike[str], *, sweep: bool = True) -> None:
         """Write the report: a page with pictures (.html), .json or .txt, as `report.save` does."""
         from . import report  # plotly is loaded only where a page is written
 
@@ -266,10 +266,15 @@ def _channel_rows(skeleton: Skeleton, keys: np.ndarray, off: np.ndarray) -> tupl
 
 
 def _with_making(report: Report, b: Clip) -> Report:
-    """How `b` was made is taken over from the report that it carries."""
+    """How `b` was made is taken over from the report that it carries, or else from its history."""
     told = b.report if isinstance(b, KeyedMotion) else None
     if told is None:
-        return report
+        step = b.history[-1] if b.history and b.history[-1].get("verb") == "reduce" else {}
+        texts = step.get("tolerance")
+        made = {name: step[name] for name in ("method", "align", "quality") if isinstance(step.get(name), str)}
+        if isinstance(texts, list | tuple) and all(isinstance(text, str) for text in texts):
+            made["tolerance"] = ", ".join(texts)
+        return replace(report, **made)
     known = ("lower_bound", "seconds", "tolerance", "method", "align", "quality")
     channels, joints = report.channels, report.joints
     if [row.name for row in told.channels] == [row.name for row in channels]:
