@@ -15,8 +15,8 @@ from . import _numbers
 from ._bvh_header import found, hint
 from ._files import Path
 
-CHUNK = 1 << 18  # characters that are turned into numbers at a time: few enough for a processor's cache
-_LARGE = 16 * CHUNK  # bytes from which a second thread pays
+CHUNK = 1 << 17  # characters that are turned into numbers at a time: few enough for a processor's cache
+_LARGE = 32 * CHUNK  # bytes from which a second thread pays
 _TAIL, _LAST = 8192, 64  # characters kept, and numbers of the last row looked at when the file has ended
 _BLANKS = (b" ", b"\n", b"\r", b"\t", b"\f", b"\v")
 Read = Callable[[int], bytes]
@@ -199,7 +199,7 @@ def _blocks(read: Read, place: Place) -> Iterator[tuple[bytes, _numbers.Block]]:
 
 
 def _parse(chunk: bytes, newline: bytes) -> _numbers.Block:
-    padded = b"".join((b" " * _numbers.PAD, chunk, b" "))
+    padded = b"".join((b" " * _numbers.PAD, chunk, b"" if chunk.endswith(_BLANKS) else b" "))
     return _numbers.parse(np.frombuffer(padded, np.uint8), newline[0])
 
 
