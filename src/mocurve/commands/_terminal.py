@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from contextvars import copy_context
 from time import monotonic
 from types import TracebackType
 from typing import TYPE_CHECKING
@@ -43,14 +44,15 @@ class Bar:
             self.progress = _progress()
         if label not in self.tasks:
             self.tasks[label] = self.progress.add_task(label)
-        self.progress.update(self.tasks[label], completed=done, total=total or None, visible=not total or done < total)
+        going_on = done < (total or 1)
+        self.progress.update(self.tasks[label], completed=min(done, total), total=total or None, visible=going_on)
 
 
 def _progress() -> Progress:
     from rich.console import Console
-    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeElapsedColumn())
+    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
     shown = Progress(*columns, console=Console(stderr=True), transient=True)
     shown.start()
     return shown
@@ -61,12 +63,19 @@ def told_when_compiling() -> Iterator[None]:
     """Say so while Numba compiles a kernel: the first run on a machine waits for that, the next ones do not."""
     from numba.core import event
 
+    here = copy_context()  # a kernel may be compiled in a thread, which does not know the listener
+
     class Compiling(event.Listener):
+        depth = 0  # compiling a kernel compiles those that it calls
+
         def on_start(self, event: object) -> None:
-            advance(COMPILING, 0, 0)
+            self.depth += 1
+            here.run(advance, COMPILING, 0, 0)
 
         def on_end(self, event: object) -> None:
-            advance(COMPILING, 1, 1)
+            self.depth -= 1
+            if not self.depth:
+                here.run(advance, COMPILING, 1, 0)
 
     with event.install_listener("numba:compile", Compiling()):
         yield

@@ -8,6 +8,7 @@ from ._options import Html, Json, Source, Unit, check_outputs, tell
 from ._terminal import told_when_compiling
 
 
+@told_when_compiling()
 def compare(before: Source, after: Source, /, *, html: Html = None, unit: Unit = None, json: Json = False) -> None:
     """What changed between two clips: per channel, per joint, and as a page to look at.
 
@@ -19,8 +20,7 @@ def compare(before: Source, after: Source, /, *, html: Html = None, unit: Unit =
     """
     check_outputs(before, html)
     check_outputs(after, html)
-    with told_when_compiling():
-        report = measure.compare(read(before, unit=unit), read(after, unit=unit))
+    report = measure.compare(read(before, unit=unit), read(after, unit=unit))
     if html is not None:
         report.save(html)
     tell(report, json, html)

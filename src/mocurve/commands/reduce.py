@@ -22,6 +22,7 @@ Output = Annotated[
 
 
 @with_options_of(reduction.reduce)
+@told_when_compiling()
 def reduce(
     file: Source,
     /,
@@ -51,8 +52,7 @@ def reduce(
     if output is not None and not output.name.lower().endswith(tuple(FORMATS)):
         raise UnknownName("format", output.suffix, FORMATS)
     clip = read(file, unit=unit)
-    with told_when_compiling():
-        keys = reduction.reduce(clip, **options)
+    keys = reduction.reduce(clip, **options)
     assert keys.report is not None  # reduce always measures
     if output is not None:
         write(output, keys)

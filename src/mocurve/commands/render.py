@@ -16,6 +16,7 @@ Output = Annotated[Path, Parameter(name=("--output", "-o"), help="The picture: .
 
 
 @with_options_of(draw.render)
+@told_when_compiling()
 def render(file: Source, second: Source | None = None, /, *, output: Output, **options: Any) -> None:
     """A picture (.png) or an animation (.gif) of the moving figure.
 
@@ -28,6 +29,5 @@ def render(file: Source, second: Source | None = None, /, *, output: Output, **o
     check_outputs(file, output)
     if second is not None:
         check_outputs(second, output)
-    with told_when_compiling():
-        draw.render(read(file), output, None if second is None else read(second), **options)
+    draw.render(read(file), output, None if second is None else read(second), **options)
     print(f"wrote {output}")
