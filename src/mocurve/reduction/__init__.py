@@ -1,0 +1,21 @@
+"""From dense samples to few keys, with a promise.
+
+The methods are in a table: adding one is a file with `solve` and a line here. Whatever a method returns, `reduce` checks the
+promise itself, at every frame, and repairs it.
+"""
+
+from __future__ import annotations
+
+from . import dynamic, linear, optimal, split
+from .verb import Method, reduce, refine
+
+METHODS = {
+    "optimal": Method(optimal.solve, again=True),
+    "split": Method(split.solve),
+    "dynamic": Method(dynamic.solve),
+    "linear": Method(linear.solve, again=True),
+}
+QUALITIES = ("fast", "default", "good", "best")
+ALIGNMENTS = ("channel", "joint", "pose")
+
+__all__ = ["ALIGNMENTS", "METHODS", "QUALITIES", "Method", "reduce", "refine"]

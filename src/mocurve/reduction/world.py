@@ -1,0 +1,262 @@
+"""The promise in space, by exact tubes: no point of the body leaves its limit at any frame, and few keys are left.
+
+Turning one channel moves all that hangs on it on circles, so at each frame the changes of a channel that keep every point within
+its limit are an interval with a closed form: the channel's tube, given all other channels as they are. Each channel starts alone in
+a share of what its lever arm allows. Then rounds, leaves first: draw every curve to the middle of its tube (children make up for
+their parents' error), and find fewer keys inside the tube. Every step goes from curves inside their tubes to curves inside their
+tubes, so the promise holds all the time. How far a channel may stray grows from round to round, lest one takes all the room early.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from .. import progress
+from ..errors import OptionError
+from ..kinematics import rest_height, rest_offsets
+from ..motion import Motion
+from ._scene import Scene, centre, prune, put, sampled, tube
+from ._tubes import Body, pose, reach_of_limits, worst_of_limits
+from .keys import Keys
+from .tolerance import Limits
+
+SHELL = 0.05  # of the rest height: how far from its bone a joint's shell points lie, so that twist counts
+RESERVE = 1e-5  # part of every limit kept for rounding, that of a file with six decimals included
+SHARE = 0.15  # of what a channel's lever arm allows: where it starts
+
+
+Solve = Callable[[np.ndarray, np.ndarray, str], Keys]
+Tube = tuple[np.ndarray, np.ndarray]
+REST = 1  # rounds that a group is left alone after one that found nothing
+
+
+class Round(NamedTuple):
+    """One round: how far a channel may stray (in its lever arm's allowance), sweeps towards the middle, how hard to search again (None: not)."""
+
+    stray: float
+    sweeps: int
+    search: str | None
+    prune: bool
+
+
+ROUNDS = {
+    "fast": [Round(s, 2, "fast", False) for s in (0.45, 1.2, 2.4)],
+    "default": [Round(s, 4, "default", False) for s in (0.3, 0.6, 1.2, 2.4, 2.4, 2.4, 2.4, 2.4)],
+    "good": [Round(s, 4, "good", True) for s in (0.3, 0.6, 1.2, 2.4, 2.4, 2.4, 2.4, 2.4)],
+    "best": [Round(s, 6, "best", True) for s in (0.3, 0.6, 1.2, 2.4, *[2.4] * 8)],
+}
+
+
+def body_of(motion: Motion, shell: float = SHELL) -> Body:
+    """The skeleton as flat arrays for the kernels. Joints that a live rotation turns carry shell points beside their bone."""
+    skeleton = motion.skeleton
+    count, joint = len(skeleton.names), skeleton.channel_joints
+    moving = np.zeros(count, bool)
+    if motion.frames:
+        live = (np.ptp(motion.values, axis=0) > 0.0) & skeleton.rotation_channels
+        moving[joint[live]] = True
+    offsets, radius = rest_offsets(motion), shell * rest_height(motion)
+    places: list[np.ndarray] = []
+    first_point = [0]
+    for j in range(count):
+        places.append(np.zeros(3))
+        if moving[j] and radius > 0.0:
+            bone = offsets[skeleton.parents == j].sum(axis=0)
+            # a bone as long as the radius feels every turn but that about itself, which one point beside it feels
+            enough = 1 if np.linalg.norm(bone) >= radius else 2
+            places += [side * radius for side in _across(bone)[:enough]]
+        first_point.append(len(places))
+    first_channel = np.concatenate([[0], np.cumsum([len(kinds) for kinds in skeleton.channels], dtype=np.int64)])
+    last_channel, last_point = first_channel[1:].copy(), np.array(first_point[1:])
+    for j in range(count - 1, -1, -1):
+        parent = skeleton.parents[j]
+        if parent >= 0:
+            last_channel[parent] = max(last_channel[parent], last_channel[j])
+            last_point[parent] = max(last_point[parent], last_point[j])
+    return Body(
+        skeleton.parents.copy(),
+        skeleton.offsets.copy(),
+        first_channel,
+        last_channel,
+        np.array(first_point),
+        last_point,
+        np.array(places).reshape(-1, 3),
+        joint,
+        skeleton.rotation_channels,
+        skeleton.channel_axes,
+    )
+
+
+def _across(bone: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Two unit vectors square to a bone (3,) and to each other; a joint without a bone counts as pointing up."""
+    length = np.linalg.norm(bone)
+    along = bone / length if length > 1e-9 else np.array([0.0, 1.0, 0.0])
+    side = np.cross(along, np.eye(3)[np.argmin(np.abs(along))])
+    side /= np.linalg.norm(side)
+    return side, np.cross(along, side)
+
+
+def point_limits(body: Body, joints: np.ndarray) -> np.ndarray:
+    """(F, P) the limit of every point from those of the joints (J, F): shell points share their joint's.
+
+    A joint that never leaves its parent's place adds nothing where it may move as far as the parent: inf.
+    """
+    owner = np.repeat(np.arange(len(body.parents)), np.diff(body.first_point))
+    limits = joints.T[:, owner].copy()
+    placed = np.zeros(len(body.parents), bool)
+    placed[body.joint[~body.rotates]] = True
+    for j, parent in enumerate(body.parents):
+        if parent >= 0 and not placed[j] and not body.offsets[j].any() and (joints[j] >= joints[parent]).all():
+            limits[:, body.first_point[j]] = np.inf
+    return limits
+
+
+def scene_of(motion: Motion, limits: Limits) -> Scene:
+    """The clip with its curves as they were given."""
+    assert limits.joints is not None
+    body = body_of(motion)
+    original = np.ascontiguousarray(motion.values.T)
+    target = np.empty((motion.frames, 3, len(body.shell)))
+    axes = np.zeros((motion.frames, 3, len(original)))
+    pose(body, original.T, target, axes)
+    allowed = point_limits(body, limits.joints) * (1.0 - RESERVE)
+    return Scene(body, original, original.copy(), target, target.copy(), axes, allowed)
+
+
+def allowance(scene: Scene, floor: float) -> np.ndarray:
+    """(C, F) how far each channel alone may go from its original, to first order; lever arms count as no shorter than `floor` (length)."""
+    alone = np.empty_like(scene.original)
+    for k in range(len(alone)):
+        reach_of_limits(scene.body, k, scene.target, scene.axes, scene.limits, floor, alone[k])
+    return alone
+
+
+def samples_of(keys: Keys, member: int, frames: int) -> np.ndarray:
+    """Samples (F,) of one member's curve."""
+    out = np.empty(frames)
+    if keys.in_slopes is None:
+        sampled(keys.frames, keys.values[member], keys.slopes[member], out)
+    else:  # broken tangents are straight lines
+        out[:] = np.interp(np.arange(frames), keys.frames, keys.values[member])
+    return out
+
+
+def fit(
+    motion: Motion, groups: list[np.ndarray], limits: Limits, solve: Solve, again: bool, quality: str
+) -> tuple[list[Keys], list[Tube]]:
+    """Keys for groups of channels (each shares its key times) that keep every joint and every channel within its limits.
+
+    solve: a method's; again: whether it is to be run again inside the tubes in every round. Returns with each group's keys the tube
+    that it ended with: how far its channels might still go, all others as they are."""
+    scene, alone, cap = problem(motion, limits)
+    keys, share = _start(scene, groups, alone, cap, solve, "fast" if quality in ("fast", "default") else quality)
+    rounds = ROUNDS[quality]
+    rest = np.zeros(len(groups), int)  # rounds for which a group is left alone, after a search in vain
+    for number, step in enumerate(rounds):
+        near = np.minimum(step.stray * (share / SHARE) * alone, cap)
+        for _ in range(step.sweeps):
+            for group, found in zip(reversed(groups), reversed(keys), strict=True):
+                _centre(scene, group, found, near)
+        for g in range(len(groups) - 1, -1, -1):
+            progress.advance("fitting inside the tubes", number * len(groups) + len(groups) - g, len(rounds) * len(groups))
+            rest[g] -= 1
+            if len(keys[g].frames) <= 2 or rest[g] >= 0:
+                continue
+            before = len(keys[g].frames)
+            if again and step.search:
+                keys[g] = _search(scene, groups[g], keys[g], near, solve, step.search)
+            if step.prune or not again or len(groups[g]) > 1:
+                keys[g] = _prune(scene, groups[g], keys[g], near)
+            if len(keys[g].frames) == before:
+                rest[g] = REST
+    return keys, [tubes(scene, group, cap) for group in groups]
+
+
+def problem(motion: Motion, limits: Limits) -> tuple[Scene, np.ndarray, np.ndarray]:
+    """The scene, and (C, F) twice: how far each channel may go from its original for its lever arm, and for its own limit."""
+    scene = scene_of(motion, limits)
+    alone = allowance(scene, 0.5 * SHELL * rest_height(motion))
+    cap = limits.channels * (1.0 - RESERVE)
+    _refuse_unlimited(motion, alone, cap)
+    return scene, alone, cap
+
+
+def tubes(scene: Scene, group: np.ndarray, near: np.ndarray) -> Tube:
+    """Middle and half-width (M, F) of the tubes of a group's channels, each given all others as they are."""
+    frames = scene.samples.shape[1]
+    middle, half = np.empty((len(group), frames)), np.empty((len(group), frames))
+    for member, k in enumerate(group):
+        tube(scene, k, near, 0, frames, middle[member], half[member])
+    return middle, half
+
+
+def _start(
+    scene: Scene, groups: list[np.ndarray], alone: np.ndarray, cap: np.ndarray, solve: Solve, quality: str
+) -> tuple[list[Keys], float]:
+    """Every group in a share of its allowance, the share lowered until the promise holds; returns the keys and the share."""
+    share = SHARE
+    while True:
+        room = np.minimum(share * alone, cap)
+        keys = [group_keys(scene.original[group], room[group], solve, quality) for group in groups]
+        for group, found in zip(groups, keys, strict=True):
+            for member, k in enumerate(group):
+                scene.samples[k] = samples_of(found, member, scene.samples.shape[1])
+        pose(scene.body, scene.samples.T, scene.points, scene.axes)
+        worst = worst_of_limits(scene.points, scene.target, scene.limits)
+        if worst <= 1.0:
+            return keys, share
+        share *= 0.9 / worst
+
+
+def _centre(scene: Scene, group: np.ndarray, keys: Keys, near: np.ndarray) -> None:
+    if keys.in_slopes is not None or len(keys.frames) == 1:
+        return
+    for member in range(len(group) - 1, -1, -1):
+        centre(scene, group[member], keys.frames, keys.values[member], keys.slopes[member], near)
+
+
+def _search(scene: Scene, group: np.ndarray, keys: Keys, near: np.ndarray, solve: Solve, quality: str) -> Keys:
+    """Solve again inside the tubes; taken where it has fewer keys. Members of a group get a part of their tube each, about where they are:
+    to first order all of them may move so far at once. What the second order spoils is seen member by member, and undone."""
+    frames = scene.samples.shape[1]
+    middle, half = tubes(scene, group, near)
+    now = scene.samples[group]
+    middle = now + (middle - now) / len(group)
+    found = group_keys(middle, half / len(group), solve, quality)
+    if len(found.frames) >= len(keys.frames):
+        return keys
+    for member in range(len(group) - 1, -1, -1):
+        k = group[member]
+        new = samples_of(found, member, frames)
+        if len(group) > 1:
+            tube(scene, k, near, 0, frames, middle[member], half[member])
+        if not (np.abs(new - middle[member]) <= half[member]).all():
+            for back in range(member + 1, len(group)):
+                put(scene, group[back], now[back], 0, frames)
+            return keys
+        put(scene, k, new, 0, frames)
+    return found
+
+
+def _prune(scene: Scene, group: np.ndarray, keys: Keys, near: np.ndarray) -> Keys:
+    if keys.in_slopes is not None:
+        return keys
+    return Keys(*prune(scene, group, keys.frames, keys.values, keys.slopes, near))
+
+
+def group_keys(middle: np.ndarray, half: np.ndarray, solve: Solve, quality: str) -> Keys:
+    """Keys of channels that share their times: a single one where constants will do, else what the method finds."""
+    low, high = (middle - half).max(axis=1), (middle + half).min(axis=1)
+    if (low <= high).all():
+        return Keys(np.zeros(1, np.int64), 0.5 * (low + high)[:, None], np.zeros((len(low), 1)))
+    return solve(middle, half, quality)
+
+
+def _refuse_unlimited(motion: Motion, alone: np.ndarray, cap: np.ndarray) -> None:
+    free = (np.isinf(alone) & np.isinf(cap)).any(axis=1) & (np.ptp(motion.values, axis=0) > 0.0)
+    if free.any():
+        name = motion.skeleton.channel_names[int(np.flatnonzero(free)[0])]
+        raise OptionError(f"this tolerance leaves channel {name!r} without a limit: nothing hangs on it; add one in deg, like '0.5deg'")
