@@ -6,8 +6,12 @@ import os
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 from mocurve.data import example
+
+settings.register_profile("house", parent=settings.default, deadline=None)  # the first call of a kernel compiles it
+settings.load_profile("house")
 
 REPOSITORY = Path(__file__).resolve().parent.parent
 

@@ -300,6 +300,14 @@ def test_a_closed_pipe_is_quiet(short: Path) -> None:
     assert ran.returncode == cli.PIPE_CLOSED
 
 
+def test_letters_that_the_terminal_lacks_are_no_error() -> None:
+    command = [sys.executable, "-m", "mocurve.cli", "reduce", "--help"]
+    ran = subprocess.run(
+        command, env=os.environ | {"PYTHONIOENCODING": "ascii"}, capture_output=True, text=True, check=False
+    )
+    assert (ran.returncode, ran.stderr) == (0, "")
+
+
 # -- progress --------------------------------------------------------------------------------------
 def test_progress_is_silent_where_stderr_is_no_terminal(capsys: pytest.CaptureFixture[str]) -> None:
     with _terminal.Bar() as bar:

@@ -9,6 +9,7 @@ import os
 import sys
 import warnings
 from collections.abc import Callable, Sequence
+from io import TextIOWrapper
 
 from cyclopts import App, CycloptsError, Parameter
 
@@ -50,6 +51,9 @@ def application(asked: str | None = None) -> App:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; what the process is to end with. Arguments default to the command line's."""
     tokens = sys.argv[1:] if arguments is None else list(arguments)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")  # a joint may be called in letters that the terminal lacks
     asked = tokens[0] if tokens and tokens[0] not in FLAGS else None
     try:
         if asked is not None and asked not in COMMANDS:
