@@ -219,6 +219,17 @@ def test_curve_keys_and_error_are_those_of_the_clip(visit):
     assert visit.trace("tolerance")[1].tolist() == [2.0, 2.0]
 
 
+def test_keys_grow_when_there_is_room_for_them(visit):
+    script = """async () => {
+        const plot = document.getElementById('curve-plot'), keys = plot.data.findIndex(t => t.name === '11 keys');
+        await Plotly.restyle(plot, { 'marker.size': 1 }, [keys]);
+        await Plotly.relayout(plot, { 'xaxis.range': [0, 1] });
+        return plot.data[keys].marker.size;
+    }"""
+    visit.page.click("#channel-7")
+    assert visit.page.evaluate(script) == 9
+
+
 def test_the_chooser_finds_by_words_and_moves_by_keys(visit):
     page = visit.page
     page.click("#channel-10")

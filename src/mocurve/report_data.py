@@ -80,11 +80,13 @@ def _channels(report: Report, skeleton: Skeleton) -> list[dict[str, Any]]:
 
 
 def _liveliest(motion: Motion) -> int:
-    """The rotation channel that moves most: what the page opens with."""
-    if not motion.frames or not motion.values.shape[1]:
+    """What the page opens with: the rotation channel below a root that swings the longest chain the furthest."""
+    skeleton = motion.skeleton
+    if not motion.frames or not skeleton.channel_count:
         return 0
-    moved = motion.values.std(axis=0) * np.where(motion.skeleton.rotation_channels, 1.0, 1e-9)
-    return int(np.argmax(moved))
+    swung = motion.values.std(axis=0) * kinematics.reach(motion)[skeleton.channel_joints]
+    inner = skeleton.rotation_channels & (skeleton.parents[skeleton.channel_joints] >= 0)
+    return int(np.argmax(np.where(inner, swung, -1.0)))
 
 
 def _furthest(errors: np.ndarray, stride: int) -> np.ndarray:

@@ -13,7 +13,7 @@ from .progress import advance
 DEGREES = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0)
 HEIGHTS = (0.05, 0.1, 0.2, 0.5, 1.0)  # % of the rest height
 RATIOS = (0.001, 0.005, 0.01, 0.02, 0.03, 0.1)  # those of the thesis's table 4.1
-MOST_SAMPLES = 150_000  # of a longer clip the middle is taken
+MOST_SAMPLES = 80_000  # of a longer clip the middle is taken
 
 
 def sweep_data(report: Report) -> dict[str, Any] | None:

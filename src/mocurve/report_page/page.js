@@ -107,6 +107,14 @@
 
   let chosen = 0;
 
+  const keySize = (shown) => (shown > 300 ? 4 : shown > 90 ? 6 : 9);  // pixels, so that many keys do not hide the curve
+
+  function fitKeys() {  // after zooming: keys as large as there is room for
+    const plot = $("curve-plot"), [low, high] = plot.layout.xaxis.range, named = (name) => plot.data.findIndex((trace) => name.test(trace.name));
+    const size = keySize(keysOf(chosen).t.filter((t) => t >= low && t <= high).length);
+    Plotly.restyle(plot, { "marker.size": [size, 0.45 * size] }, [named(/^[0-9,]+ keys?$/), named(/^tangents$/)]);
+  }
+
   function showCurve(c) {
     chosen = c;
     const channel = data.channels[c], turns = channel.unit === "degrees", unit = turns ? "degrees" : "file units";
@@ -118,8 +126,8 @@
       const k = keysOf(c), curve = smooth(k), handle = handles(k);
       shown.push(curve.y);
       traces.push({ ...curve, mode: "lines", name: "curve", line: { color: BLUE, width: 2 }, hoverinfo: "skip" });
-      traces.push({ ...handle, mode: "lines+markers", name: "tangents", line: { color: ORANGE, width: 1.5 }, marker: { size: 4, color: ORANGE }, hoverinfo: "skip", cliponaxis: true });
-      traces.push({ x: k.t, y: k.v, customdata: k.out, mode: "markers", name: `${whole(k.t.length)} ${k.t.length === 1 ? "key" : "keys"}`, marker: { color: RED, size: 9, line: { color: "#fff", width: 1.2 } }, hovertemplate: "key %{y:.4g}, slope %{customdata:.4g} per second" });
+      traces.push({ ...handle, mode: "lines+markers", name: "tangents", line: { color: ORANGE, width: k.t.length > 90 ? 1 : 1.5 }, marker: { size: 0.45 * keySize(k.t.length), color: ORANGE }, hoverinfo: "skip", cliponaxis: true });
+      traces.push({ x: k.t, y: k.v, customdata: k.out, mode: "markers", name: `${whole(k.t.length)} ${k.t.length === 1 ? "key" : "keys"}`, marker: { color: RED, size: keySize(k.t.length), line: { color: "#fff", width: k.t.length > 300 ? 0 : 1 } }, hovertemplate: "key %{y:.4g}, slope %{customdata:.4g} per second" });
     } else {
       const after = before.map((y, i) => y + off[i]);
       shown.push(after);
@@ -146,7 +154,7 @@
     if (channel.lower_bound) told.push(`${whole(channel.keys)} keys, at least ${whole(channel.lower_bound)} are needed`);
     if (data.bands && data.bands.every((band) => band === null)) told.push("the tolerance holds in space, so it sets no band on the channel itself");
     if (data.stride > 1) told.push(`every ${data.stride}th frame is drawn, with the largest error of those between`);
-    $("curves-hint").textContent = told.join(" · ") + ". Click the curve to see the figure at that time.";
+    $("curves-hint").textContent = told.join(" · ") + ". Drag to zoom, double-click to see all again; click the curve to see the figure at that time.";
   }
 
   // -- the chooser: a filtered list; arrow keys move, the curve follows ---------------------------------------------------
@@ -218,6 +226,7 @@
     list.addEventListener("keydown", moveChoice);
     list.tabIndex = 0;
     choose(data.first_channel);
+    if (keys) $("curve-plot").on("plotly_relayout", fitKeys);
     $("curve-plot").on("plotly_click", (event) => seek(event.points[0].x));
   }
 
