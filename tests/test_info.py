@@ -144,6 +144,17 @@ def test_whole_turns_do_not_hide_a_rest_pose() -> None:
     assert info.first_frame_is_t_pose(replace(CLEAN, values=values))
 
 
+def test_a_motion_that_starts_near_the_rest_pose_is_no_t_pose() -> None:
+    leaving = np.zeros((20, 12)) + 1.0 + 4.0 * np.arange(20)[:, None]
+    assert not info.first_frame_is_t_pose(replace(CLEAN, values=leaving))
+
+
+def test_the_leap_out_of_a_t_pose_is_not_told_twice() -> None:
+    values = CLEAN.values.copy() + 80.0
+    values[0, 3:] = 0.0
+    assert oddities(replace(CLEAN, values=values)) == "frame 0 is a T-pose, not part of the motion"
+
+
 def test_a_leap_into_another_pose_is_no_t_pose() -> None:
     values = CLEAN.values.copy()
     values[0, 3:] += 80.0
