@@ -198,6 +198,16 @@ def test_the_sentence_and_the_table_say_every_number_with_its_unit():
     assert len(table.splitlines()) < 20
 
 
+def test_a_unit_that_nobody_said_is_guessed_and_called_a_guess():
+    tall = arm(offsets=[[0, 0, 0], [800, 0, 0], [900, 0, 0]])
+    report = compare(swing(skeleton=tall), moved(swing(skeleton=tall), 1, 2.5))
+    assert report.unit is None
+    assert report.unit_guess == 0.001
+    assert "2.5 units (about 2.5 mm) off" in report.sentence()
+    flat = swing(skeleton=arm(offsets=np.zeros((3, 3))))
+    assert compare(flat, flat).unit_guess is None
+
+
 def test_what_the_keys_know_of_their_making_is_kept():
     keyed = replace(every_frame_a_key(swing()), report=made())
     report = compare(swing(), keyed)

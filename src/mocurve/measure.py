@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from . import kinematics
-from .errors import Mismatch
+from .errors import Mismatch, OptionError
+from .info import unit_of
 from .keyed import KeyedMotion
 from .motion import Clip, Motion
 from .skeleton import AXES, Skeleton
@@ -54,6 +55,7 @@ class Report:
     *_error_length:   over all position channels, file units; None likewise.
     *_error_world:    over all joints and end sites at every frame, by forward kinematics, file units.
     unit:             metres that a file unit stands for, None where nobody said.
+    unit_guess:       where nobody said: metres that the body's height suggests, None for a body without height.
     bytes:            of the second clip's numbers: 24 a key (time, value, slope), 8 a sample.
     lower_bound:      proven fewest keys at the tolerance; seconds: what the reduction took; None where not known.
     clips:            the two that were compared, for the pictures of `save`; not part of the JSON.
@@ -71,6 +73,7 @@ class Report:
     rms_error_world: float
     bytes: int
     unit: float | None = None
+    unit_guess: float | None = None
     lower_bound: int | None = None
     seconds: float | None = None
     tolerance: str | None = None
@@ -95,7 +98,7 @@ class Report:
         """The report in one line."""
         bound = "" if self.over_bound is None else f", {self.over_bound:.2f}x the proven least"
         degrees = "" if self.max_error_degrees is None else f"{self.max_error_degrees:.3g} degrees and "
-        where = f"at most {degrees}{length_text(self.max_error_world, self.unit)} off"
+        where = f"at most {degrees}{_length(self, self.max_error_world)} off"
         return f"{self.keys:,} keys for {self.samples:,} samples (1 for {self.ratio:.1f}){bound}; {where}"
 
     def __str__(self) -> str:
@@ -141,6 +144,7 @@ def compare(a: Clip, b: Clip) -> Report:
     turning = skeleton.rotation_channels
     degrees = (None, None) if off is None else _max_rms(off[:, turning])
     length = (None, None) if off is None else _max_rms(off[:, ~turning])
+    unit = skeleton.unit if skeleton.unit is not None else second.skeleton.unit
     report = Report(
         keys=int(keys.sum()),
         samples=a.frames * skeleton.channel_count,
@@ -152,7 +156,8 @@ def compare(a: Clip, b: Clip) -> Report:
         max_error_world=_max_rms(apart)[0],
         rms_error_world=_max_rms(apart)[1],
         bytes=int(keys.sum()) * NUMBER_BYTES * (KEY_NUMBERS if isinstance(b, KeyedMotion) else 1),
-        unit=skeleton.unit if skeleton.unit is not None else second.skeleton.unit,
+        unit=unit,
+        unit_guess=_guessed_unit(first) if unit is None else None,
         channels=() if off is None else _channel_rows(skeleton, keys, off),
         joints=tuple(JointError(name, *_max_rms(apart[:, joint])) for joint, name in enumerate(skeleton.names)),
         clips=(a, b),
@@ -183,11 +188,6 @@ def key_counts(clip: Clip) -> np.ndarray:
     if isinstance(clip, KeyedMotion):
         return np.array([len(curve) for curve in clip.curves], np.int64)
     return np.full(clip.skeleton.channel_count, clip.frames, np.int64)
-
-
-def length_text(length: float, unit: float | None) -> str:
-    """ "0.0354 units (2 mm)": a length in file units, and in millimetres where the unit is known."""
-    return f"{length:.3g} units" + ("" if unit is None else f" ({length * unit * 1000:.3g} mm)")
 
 
 # -- in call order -----------------------------------------------------------------------------------------------------
@@ -257,6 +257,13 @@ def _max_rms(errors: np.ndarray) -> tuple[float, float]:
     return (float(errors.max()), float(np.sqrt(np.mean(errors**2)))) if errors.size else (0.0, 0.0)
 
 
+def _guessed_unit(motion: Motion) -> float | None:
+    try:
+        return unit_of(motion).metres
+    except OptionError:  # a body without height
+        return None
+
+
 def _channel_rows(skeleton: Skeleton, keys: np.ndarray, off: np.ndarray) -> tuple[ChannelError, ...]:
     units = np.where(skeleton.rotation_channels, "degrees", "units")
     return tuple(
@@ -302,7 +309,15 @@ def _summary_lines(report: Report) -> list[str]:
 
 
 def _lengths(report: Report, most: float, rms: float) -> str:
-    return f"max {length_text(most, report.unit)}, RMS {length_text(rms, report.unit)}"
+    return f"max {_length(report, most)}, RMS {_length(report, rms)}"
+
+
+def _length(report: Report, length: float) -> str:
+    """ "0.0354 units (2 mm)": a length in file units, and in millimetres where the unit is known or can be guessed."""
+    if report.unit is not None:
+        return f"{length:.3g} units ({length * report.unit * 1000:.3g} mm)"
+    about = "" if report.unit_guess is None else f" (about {length * report.unit_guess * 1000:.3g} mm)"
+    return f"{length:.3g} units{about}"
 
 
 def _worst_lines(report: Report, count: int = 5) -> list[str]:
@@ -310,7 +325,7 @@ def _worst_lines(report: Report, count: int = 5) -> list[str]:
     channels = sorted((row for row in report.channels if row.max > 0), key=lambda row: (row.unit, -row.max))
     joints = sorted((row for row in report.joints if row.max > 0), key=lambda row: -row.max)
     angles = [[r.name, f"{r.keys:,}", f"{r.max:.4g} {r.unit}", f"{r.rms:.3g} {r.unit}"] for r in channels[:count]]
-    places = [[r.name, length_text(r.max, report.unit), length_text(r.rms, report.unit)] for r in joints[:count]]
+    places = [[r.name, _length(report, r.max), _length(report, r.rms)] for r in joints[:count]]
     lines = _table(["furthest channels", "keys", "max", "RMS"], angles)
     return lines + _table(["furthest joints", "max", "RMS"], places)
 

@@ -43,7 +43,7 @@ def save(report: Report | tuple[Clip, Clip], path: str | PathLike[str], *, sweep
     else:
         text = (json.dumps(told.to_json(), indent=1) if kind == ".json" else str(told)) + "\n"
     with replacing(path) as file:
-        file.write(text.encode())
+        file.write(text.encode(errors="replace"))  # a file name may hold bytes that are no text
 
 
 def page(report: Report, title: str, *, sweep: bool = True) -> str:
