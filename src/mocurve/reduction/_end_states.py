@@ -7,19 +7,22 @@ import numpy as np
 from .._jit import kernel
 from ._strips import CUBIC, EDGES, aim, solve, start_basis, start_strips
 
-THIN = 1e-9  # less area than this, in half-widths, is taken for a point that rounding may lose
-
 
 @kernel
-def new_supports(corners):
+def new_supports(corners: int) -> tuple[np.ndarray, np.ndarray]:
     """Room for `corners` supports (see `support`), and for their counterclockwise order."""
     return np.empty((corners, EDGES + 1, 4)), np.empty(corners, np.int64)
 
 
 @kernel(fastmath=True)
-def support(lp, count, y, half, i, j, dv, dm, s):
-    """The end state furthest in the direction (dv, dm). Into s: row 0 the state (value from y[i], slope per segment) and the
-    direction, below it the program's basis, from which directions nearby need few pivots."""
+def support(
+    lp: np.ndarray, count: int, y: np.ndarray, half: np.ndarray, i: int, j: int, dv: float, dm: float, s: np.ndarray
+) -> bool:
+    """The end state furthest in the direction (dv, dm); False if there is none.
+
+    Into s: row 0 the state (value from y[i], slope per segment) and the direction; below it the program's basis, from which
+    directions nearby need few pivots.
+    """
     aim(lp, 1.0, dv, dm)
     if solve(lp, count, y, half, i, j, 1.0 / (j - i)) > 0:
         return False
@@ -30,8 +33,18 @@ def support(lp, count, y, half, i, j, dv, dm, s):
 
 
 @kernel(fastmath=True)
-def first_supports(lp, start, count, y, half, i, j, s, order):
-    """Four supports in counterclockwise order: least and largest value, and the furthest to either side of their line."""
+def first_supports(
+    lp: np.ndarray,
+    start: np.ndarray,
+    count: int,
+    y: np.ndarray,
+    half: np.ndarray,
+    i: int,
+    j: int,
+    s: np.ndarray,
+    order: np.ndarray,
+) -> bool:
+    """Four supports, counterclockwise: largest and least value, and the furthest to either side of their line."""
     span = float(j - i)
     start_strips(lp, start, count, span)
     start_basis(lp, count, y, half, i, j, span)
@@ -46,7 +59,7 @@ def first_supports(lp, start, count, y, half, i, j, s, order):
 
 
 @kernel(fastmath=True)
-def missing(p, q):
+def missing(p: np.ndarray, q: np.ndarray) -> float:
     """Area that may be missing beyond the edge from support p to q: triangle of the edge and the two supporting lines."""
     dx, dy = q[0] - p[0], q[1] - p[1]
     turn = p[2] * q[3] - p[3] * q[2]
@@ -54,13 +67,28 @@ def missing(p, q):
 
 
 @kernel(fastmath=True)
-def arrive(lp, start, count, y, half, i, j, most, floor, s, order, polygon):
-    """Polygon of states at frame j reached from the polygon `start` at frame i: corners (0: none) and area.
+def arrive(
+    lp: np.ndarray,
+    start: np.ndarray,
+    count: int,
+    y: np.ndarray,
+    half: np.ndarray,
+    i: int,
+    j: int,
+    most: int,
+    floor: float,
+    s: np.ndarray,
+    order: np.ndarray,
+    polygon: np.ndarray,
+) -> int:
+    """Polygon of states (value from y[j], slope per frame) at frame j reached from the polygon `start` at frame i.
 
+    Returns its corners, at most `most`; 0: there is none, or its area cannot be more than `floor`.
     Sandwich: each support bounds the set by a line as well; the next direction is square to the edge beyond which most area
-    may be missing. Given up once the area cannot become more than `floor`."""
+    may be missing.
+    """
     if not first_supports(lp, start, count, y, half, i, j, s, order):
-        return 0, 0.0
+        return 0
     n = 4
     while n < most:
         largest, at, outer = 0.0, -1, 0.0
@@ -71,7 +99,7 @@ def arrive(lp, start, count, y, half, i, j, most, floor, s, order, polygon):
             if gain > largest:
                 largest, at = gain, k
         if outer <= floor * (j - i):
-            return 0, 0.0
+            return 0
         if at < 0:
             break
         p, q = s[order[at], 0], s[order[at + 1 if at + 1 < n else 0], 0]
@@ -82,21 +110,16 @@ def arrive(lp, start, count, y, half, i, j, most, floor, s, order, polygon):
             order[k] = order[k - 1]
         order[at + 1] = n
         n += 1
-    return write_polygon(s, order, n, y[i] - y[j], float(j - i), THIN * half[j] * half[j], polygon)
+    return distinct(s, order, n, y[i] - y[j], float(j - i), polygon)
 
 
 @kernel(fastmath=True)
-def write_polygon(s, order, n, shift, span, thin, polygon):
-    """The distinct supports as a polygon of states (value, slope per frame). Returns its corners (0 if thin) and area."""
+def distinct(s: np.ndarray, order: np.ndarray, n: int, shift: float, span: float, polygon: np.ndarray) -> int:
+    """Write the supports, without repeated ones, as a polygon of states. Returns its corners."""
     size = 0
     for k in range(n):
         p, q = s[order[k], 0], s[order[k - 1 if k > 0 else n - 1], 0]
         if p[0] != q[0] or p[1] != q[1]:
             polygon[size, 0], polygon[size, 1] = p[0] + shift, p[1] / span
             size += 1
-    area = 0.0
-    for k in range(1, size - 1):
-        area += (polygon[k, 0] - polygon[0, 0]) * (polygon[k + 1, 1] - polygon[0, 1])
-        area -= (polygon[k, 1] - polygon[0, 1]) * (polygon[k + 1, 0] - polygon[0, 0])
-    area *= 0.5
-    return (size, area) if size >= 3 and area * span > thin else (0, 0.0)
+    return size

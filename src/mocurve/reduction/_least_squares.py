@@ -1,6 +1,6 @@
-"""Weighted least squares of C1 cubic Hermite curves with fixed key times: a banded system, two unknowns a key (value, slope).
+"""Weighted least squares of C1 cubic Hermite curves with fixed key times.
 
-The normal matrix has half-bandwidth 3 and is solved by banded Cholesky. It is kept as band[i, d] = A[i, i - d].
+Two unknowns a key (value, slope). The normal matrix has half-bandwidth 3 and is solved by banded Cholesky. It is kept as band[i, d] = A[i, i - d].
 """
 
 from __future__ import annotations
@@ -93,10 +93,10 @@ def errors(frames, values, slopes, y, out):
 
 @kernel
 def refit(frames, middle, half, sweeps):
-    """Values and slopes (per frame) of the C1 Hermite curve nearest to middle (F,), weight 1/half², key frames (K,) kept.
+    """Values and slopes (per frame) of the C1 Hermite curve with the key frames (K,) nearest to middle (F,).
 
-    `sweeps` more solutions with Lawson's weights (each times its error) draw the largest error down; the best one is returned:
-    values (K,), slopes (K,), largest |curve - middle| / half. It stops at the first that is inside the band.
+    Weight 1/half²; `sweeps` more solutions with Lawson's weights (each times its error) draw the largest error down, up to
+    the first that is inside the band. Returns the best: values (K,), slopes (K,), its largest |curve - middle| / half.
     """
     keys, n = len(frames), len(middle)
     values, slopes = middle[frames], np.zeros(keys)
@@ -125,7 +125,7 @@ def refit(frames, middle, half, sweeps):
 
 @kernel
 def fit_slopes(frames, values, y, weights):
-    """Slopes (K,) per frame that bring the C1 Hermite curve through the given key values (K,) nearest to y (F,), weights (F,)."""
+    """Slopes (K,) per frame: of the C1 Hermite curves through the key values (K,), the one nearest to y (F,); weights (F,)."""
     slopes = np.zeros(len(frames))
     if len(frames) < 2:
         return slopes

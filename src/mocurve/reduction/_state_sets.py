@@ -1,10 +1,10 @@
 """Propagation of sets of key states: the search behind the method *optimal*.
 
-The state of a key is (value, slope). From a convex set of states at one key, the states that can be reached at a later frame,
-every frame between being within its strip, form a convex set too. Forward: polygons are carried from each level (number of
-segments) to the few frames near the furthest that one more segment reaches. Backward: from the last frame on, a state is
-picked in every polygon of the winning chain. Members of a group share key times: each has its own polygon, and a frame is
-reached only where all members reach it.
+The state of a key is (value, slope). From a convex set of states at one key, the states that can be reached at a later
+frame, every frame between being within its strip, form a convex set too. Forward: polygons are carried from each level
+(number of segments) to the few frames near the furthest that one more segment reaches. Backward: from the last frame on, a
+state is picked in every polygon of the winning chain. Members of a group share key times: each has its own polygon, and a
+frame is reached only where all members reach it.
 """
 
 from __future__ import annotations
@@ -13,26 +13,48 @@ import numpy as np
 
 from .._jit import kernel
 from ._end_states import arrive, new_supports
+from ._polygons import CORNERS, area, clip
 from ._strips import furthest, new_program
 
-CORNERS = 12  # room for the corners of a polygon of states
-FREE = 2.2  # slopes of a state without history: local difference +- this times the half-width
+# Slopes that a key may have: from the difference to one neighbour to that to the other, and this much more to either side.
+# Without a limit the slopes of noise wander off: the frames hold, but the curve between them swings.
+FREE_HALVES = 3.0  # half-widths
+FREE_SPREAD = 1.0  # times the distance between the two differences
+THIN = 1e-9  # polygons with less area, in half-widths and slopes per segment, are points that rounding may lose
 
 
 @kernel
-def free_states(middle, half, j, counts, corners):
-    """A rectangle of states, counted from middle[:, j], for a key without history: any value, slopes near the difference."""
-    a, b = (j, j + 1) if j + 1 < middle.shape[1] else (j - 1, j)
+def slope_range(y: np.ndarray, half: np.ndarray, j: int) -> tuple[float, float]:
+    """Least and largest slope that a key at frame j may have."""
+    a, b = max(j - 1, 0), min(j + 1, len(y) - 1)
+    before = y[j] - y[a] if a < j else y[b] - y[j]
+    after = y[b] - y[j] if j < b else before
+    room = FREE_HALVES * max(half[j], max(half[a], half[b])) + FREE_SPREAD * abs(after - before)
+    return min(before, after) - room, max(before, after) + room
+
+
+@kernel
+def free_states(middle: np.ndarray, half: np.ndarray, j: int, counts: np.ndarray, corners: np.ndarray) -> None:
+    """The rectangle of all states that a key at frame j may have, counted from middle[:, j]."""
     counts[:] = 4
     for m in range(middle.shape[0]):
-        slope, spread = middle[m, b] - middle[m, a], FREE * max(half[m, a], half[m, b])
+        low, high = slope_range(middle[m], half[m], j)
         for c in range(4):
             corners[m, c, 0] = half[m, j] if c == 1 or c == 2 else -half[m, j]
-            corners[m, c, 1] = slope + (spread if c >= 2 else -spread)
+            corners[m, c, 1] = high if c >= 2 else low
 
 
 @kernel
-def group_reach(lp, counts, corners, middle, half, i, known, guess):
+def group_reach(
+    lp: np.ndarray,
+    counts: np.ndarray,
+    corners: np.ndarray,
+    middle: np.ndarray,
+    half: np.ndarray,
+    i: int,
+    known: int,
+    guess: int,
+) -> int:
     """Last frame that every member can reach from frame i; `known` if that is no further."""
     last = middle.shape[1] - 1
     for m in range(middle.shape[0]):
@@ -43,22 +65,48 @@ def group_reach(lp, counts, corners, middle, half, i, known, guess):
 
 
 @kernel
-def group_arrive(lp, counts, corners, middle, half, i, j, most, best, supports, order, new_counts, new_corners):
+def group_arrive(
+    room: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray],
+    counts: np.ndarray,
+    corners: np.ndarray,
+    middle: np.ndarray,
+    half: np.ndarray,
+    i: int,
+    j: int,
+    most: int,
+    best: float,
+    new_counts: np.ndarray,
+    new_corners: np.ndarray,
+) -> float:
     """Polygons of all members at frame j. Returns the sum of the logarithms of their areas; -inf: not more than `best`."""
+    lp, supports, order, spare = room
     total, members = 0.0, middle.shape[0]
     for m in range(members):
+        y, h, polygon = middle[m], half[m], new_corners[m]
         floor = np.exp(best - total) if m == members - 1 else 0.0
-        new_counts[m], area = arrive(
-            lp, corners[m], counts[m], middle[m], half[m], i, j, most, floor, supports, order, new_corners[m]
-        )
-        if new_counts[m] == 0:
+        size = arrive(lp, corners[m], counts[m], y, h, i, j, most, floor, supports, order, polygon)
+        if size < 3:
             return -np.inf
-        total += np.log(area)
+        low, high = slope_range(y, h, j)
+        size = clip(polygon, size, -0.5 * (low + high), 0.0, 1.0, 0.5 * (high - low), spare)
+        covered = area(polygon, size)
+        if covered * (j - i) <= THIN * h[j] * h[j]:
+            return -np.inf
+        new_counts[m] = size
+        total += np.log(covered)
     return total
 
 
 @kernel
-def level_reach(lp, frames, counts, corners, middle, half, guess):
+def level_reach(
+    lp: np.ndarray,
+    frames: np.ndarray,
+    counts: np.ndarray,
+    corners: np.ndarray,
+    middle: np.ndarray,
+    half: np.ndarray,
+    guess: int,
+) -> int:
     """Last frame that one more segment reaches from any node of a level."""
     far = frames[0] + 1
     for s in range(len(frames)):
@@ -71,11 +119,14 @@ def level_reach(lp, frames, counts, corners, middle, half, guess):
 
 
 @kernel
-def candidates(frames, far, width, stride, out):
-    """Frames of the next level, furthest first: `width` in steps of `stride` % of the segment, and those one frame ahead."""
+def candidates(frames: np.ndarray, far: int, width: int, stride: int, out: np.ndarray) -> int:
+    """Frames for the next level, furthest first: in steps of `stride` % of the segment, and those one frame ahead.
+
+    More than `width`, as some may turn out to have no states. Returns how many, at most 4 width.
+    """
     step = max(1, (far - frames[0]) * stride // 100)
     n = 0
-    for j in range(far, max(far - width * step, frames[0]), -step):
+    for j in range(far, max(far - 3 * width * step, frames[0]), -step):
         out[n] = j
         n += 1
     for frame in frames:
@@ -83,14 +134,15 @@ def candidates(frames, far, width, stride, out):
         while at > 0 and out[at - 1] < j:
             at -= 1
         if at == 0 or out[at - 1] != j:
-            out[at + 1 : n + 1] = out[at:n].copy()
+            for k in range(n, at, -1):
+                out[k] = out[k - 1]
             out[at] = j
             n += 1
     return n
 
 
 @kernel
-def larger(old, size):
+def larger(old: np.ndarray, size: int) -> np.ndarray:
     """The array with room for `size` rows."""
     new = np.empty((size, *old.shape[1:]), old.dtype)
     new[: len(old)] = old
@@ -98,65 +150,52 @@ def larger(old, size):
 
 
 @kernel
-def forward(middle, half, width, stride, most):
+def forward(
+    middle: np.ndarray, half: np.ndarray, width: int, stride: int, most: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Key frames of the winning chain, and its polygons: frames (K,), counts (K, M), corners (K, M, CORNERS, 2)."""
     members, n = middle.shape
-    room = 64
-    frames, parents = np.empty(room, np.int64), np.empty(room, np.int64)
-    counts, corners = np.empty((room, members), np.int64), np.empty((room, members, CORNERS, 2))
-    lp, ahead = new_program(CORNERS), np.empty(2 * width, np.int64)
+    frames, parents = np.empty(64, np.int64), np.empty(64, np.int64)
+    counts, corners = np.empty((64, members), np.int64), np.empty((64, members, CORNERS, 2))
     supports, order = new_supports(CORNERS)
+    room = new_program(CORNERS), supports, order, np.empty((2 * CORNERS, 2))
+    ahead = np.empty(4 * width, np.int64)
     frames[0], parents[0] = 0, -1
     free_states(middle, half, 0, counts[0], corners[0])
     s0, s1, guess = 0, 1, 8
-    while True:
-        far = level_reach(lp, frames[s0:s1], counts[s0:s1], corners[s0:s1], middle, half, guess)
-        guess = far - frames[s0]
-        end = s1
-        if end + width >= room:
-            room *= 2
-            frames, parents, counts, corners = (
-                larger(frames, room),
-                larger(parents, room),
-                larger(counts, room),
-                larger(corners, room),
-            )
+    while frames[s0] < n - 1:
+        far = level_reach(room[0], frames[s0:s1], counts[s0:s1], corners[s0:s1], middle, half, guess)
+        guess, end = far - frames[s0], s1
+        if end + width >= len(frames):
+            size = 2 * len(frames)
+            frames, parents = larger(frames, size), larger(parents, size)
+            counts, corners = larger(counts, size), larger(corners, size)
         for j in ahead[: candidates(frames[s0:s1], far, width, stride, ahead)]:
             best = -np.inf
             for s in range(s0, s1):
-                if frames[s] + 1 == j:  # a one-frame segment can end in any state
+                i = frames[s]
+                if i + 1 == j:  # a one-frame segment can end in any state
                     best, parents[end] = np.inf, s
                     free_states(middle, half, j, counts[end], corners[end])
-                elif frames[s] < j and best < np.inf:
-                    area = group_arrive(
-                        lp,
-                        counts[s],
-                        corners[s],
-                        middle,
-                        half,
-                        frames[s],
-                        j,
-                        most,
-                        best,
-                        supports,
-                        order,
-                        counts[end + 1],
-                        corners[end + 1],
-                    )
-                    if area > best:  # the trial lies one place further
-                        best, parents[end], counts[end], corners[end] = area, s, counts[end + 1], corners[end + 1]
+                elif i < j and best < np.inf:  # tried one place further, moved here if it is the best
+                    trial = counts[end + 1], corners[end + 1]
+                    covered = group_arrive(room, counts[s], corners[s], middle, half, i, j, most, best, *trial)
+                    if covered > best:
+                        best, parents[end] = covered, s
+                        counts[end], corners[end] = trial
             if best > -np.inf:
                 frames[end] = j
                 end += 1
                 if j == n - 1 or end - s1 == width:
                     break
         s0, s1 = s1, end
-        if frames[s0] == n - 1:
-            return chain(s0, frames, parents, counts, corners)
+    return chain(s0, frames, parents, counts, corners)
 
 
 @kernel
-def chain(node, frames, parents, counts, corners):
+def chain(
+    node: int, frames: np.ndarray, parents: np.ndarray, counts: np.ndarray, corners: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The nodes from the first key to `node`."""
     length, at = 0, node
     while at >= 0:
@@ -170,72 +209,28 @@ def chain(node, frames, parents, counts, corners):
 
 
 @kernel(fastmath=True)
-def cut(x, z, q, k, high, x2, z2, q2):
-    """The part of a convex polygon with q <= high, into x2, z2, q2."""
-    c = 0
-    b = k - 1
-    for a in range(k):
-        if (q[a] <= high) != (q[b] <= high):
-            t = (high - q[a]) / (q[b] - q[a])
-            x2[c], z2[c], q2[c] = x[a] + (x[b] - x[a]) * t, z[a] + (z[b] - z[a]) * t, high
-            c += 1
-        if q[a] <= high:
-            x2[c], z2[c], q2[c] = x[a], z[a], q[a]
-            c += 1
-        b = a
-    return c
+def backward(
+    y: np.ndarray, half: np.ndarray, frames: np.ndarray, counts: np.ndarray, corners: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """One state a key, last to first: the mean of its polygon, clipped by the frames of the segment that follows.
 
-
-@kernel(fastmath=True)
-def drop_corner(x, z, k):
-    """Leave out the corner of a convex polygon that costs least area: long flat channels pile up nearly equal corners."""
-    least, at = np.inf, 0
-    for a in range(k):
-        b, c = (a if a > 0 else k) - 1, a + 1 if a + 1 < k else 0
-        area = abs((x[a] - x[b]) * (z[c] - z[b]) - (z[a] - z[b]) * (x[c] - x[b]))
-        if area < least:
-            least, at = area, a
-    for a in range(at, k - 1):
-        x[a], z[a] = x[a + 1], z[a + 1]
-    return k - 1
-
-
-@kernel(fastmath=True)
-def backward(y, half, frames, counts, corners):
-    """One state per key, last to first: the polygon of the key, clipped by the frames of the segment that follows, has room left; its mean."""
+    Every state of a polygon has a segment before it, and some have one after it: convexity leaves room in every clip.
+    """
     keys = len(frames)
     values, slopes = np.empty(keys), np.empty(keys)
-    room = 2 * CORNERS
-    x, z, q, x2, z2, q2 = np.empty(room), np.empty(room), np.empty(room), np.empty(room), np.empty(room), np.empty(room)
+    polygon, spare = np.empty((CORNERS, 2)), np.empty((2 * CORNERS, 2))
     for key in range(keys - 1, -1, -1):
-        k, i = counts[key], frames[key]
-        for a in range(k):
-            x[a], z[a] = corners[key, a, 0], corners[key, a, 1]
-        v, m = x[:k].mean(), z[:k].mean()
+        size, i = counts[key], frames[key]
+        polygon[:size] = corners[key, :size]
+        v, m = polygon[:size, 0].mean(), polygon[:size, 1].mean()
         h = frames[key + 1] - i if key + 1 < keys else 0
         for g in range(1, h):
             s = g / h
             rise = (3.0 - 2.0 * s) * s * s
-            fixed = rise * (values[key + 1] - y[i]) + (s - 1.0) * s * s * h * slopes[key + 1] + y[i] - y[i + g]
-            lean = s * (1.0 - s) * (1.0 - s) * h
-            low, high = np.inf, -np.inf
-            for a in range(k):
-                q[a] = fixed + (1.0 - rise) * x[a] + lean * z[a]
-                low, high = min(low, q[a]), max(high, q[a])
-            if high > half[i + g]:
-                k = cut(x, z, q, k, half[i + g], x2, z2, q2)
-                for a in range(k):
-                    x[a], z[a], q[a] = x2[a], z2[a], q2[a]
-            if low < -half[i + g]:
-                for a in range(k):
-                    q[a] = -q[a]
-                k = cut(x, z, q, k, half[i + g], x2, z2, q2)
-                for a in range(k):
-                    x[a], z[a] = x2[a], z2[a]
-            if k == 0:  # rounding; the check that follows mends it
+            base = rise * (values[key + 1] - y[i]) - (1.0 - s) * s * s * h * slopes[key + 1] + y[i] - y[i + g]
+            size = clip(polygon, size, base, 1.0 - rise, s * (1.0 - s) * (1.0 - s) * h, half[i + g], spare)
+            if size == 0:  # rounding; the check that follows mends it
                 break
-            while k > room - 2:
-                k = drop_corner(x, z, k)
-            v, m = x[:k].mean(), z[:k].mean()
+            v, m = polygon[:size, 0].mean(), polygon[:size, 1].mean()
         values[key], slopes[key] = y[i] + v, m
     return values, slopes

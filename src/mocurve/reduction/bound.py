@@ -1,7 +1,8 @@
 """A proven lower bound of the number of keys: a greedy partition into cubics that need not even join.
 
-Any part of a run of frames that one cubic fits is fitted by it too, so taking the longest run each time needs the fewest pieces. Whether a cubic fits
-is decided by Remez' exchange: five frames whose levelled error exceeds their half-widths prove that none does (de la Vallée Poussin).
+A cubic that fits a run of frames fits every part of it, so taking the longest run each time needs the fewest pieces. Whether
+a cubic fits is decided by Remez' exchange: five frames whose levelled error exceeds their half-widths prove that none does
+(de la Vallée Poussin).
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ EXCHANGES = 60  # more for one frame are rounding, and the frame is let pass
 
 @kernel(fastmath=True)
 def level(at, y, half, base, newton):
-    """Cubic with equal errors of alternating sign on five frames, in Newton's form. Returns that error, in half-widths, of the first frame."""
+    """Cubic with equal errors of alternating sign on five frames, in Newton's form. Returns the first error, in half-widths."""
     total = weight = 0.0
     for k in range(5):
         w = 1.0
@@ -44,7 +45,7 @@ def newton_error(f, at, y, base, newton):
 
 @kernel
 def exchange(at, f, sign, first_sign):
-    """Put frame f, where the error has `sign`, among the five so that signs still alternate. False if it is one of them."""
+    """Put frame f, where the error has `sign`, among the five, signs still alternating. False if it is one of them."""
     if f < at[0]:
         if sign != first_sign:
             at[1:] = at[:4].copy()
@@ -129,5 +130,5 @@ def bound(middle, half):
 
 
 def lower_bound(middle: np.ndarray, half: np.ndarray) -> int:
-    """Fewest keys of one member of any piecewise cubic with shared keys on frames and |curve - middle| <= half; middle, half (M, F)."""
+    """Fewest keys, of one member, of any piecewise cubic with shared keys on frames and |curve - middle| <= half (M, F)."""
     return int(bound(np.ascontiguousarray(middle), np.ascontiguousarray(half)))

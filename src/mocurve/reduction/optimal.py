@@ -1,6 +1,6 @@
 """The method *optimal*: few C1 cubic Hermite keys with a promise at every frame, by propagation of state sets.
 
-Own method; it follows the idea of Önder, Güdükbay, Özgüç, Erdem and Erdem (2007), few keys for a given error, with another search: see `_state_sets`.
+Own method: the search is told in `_state_sets`, its linear programs in `_strips`.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ SETTINGS = {"fast": (2, 15, 6), "default": (3, 15, 5), "good": (5, 10, 8), "best
 
 @kernel
 def safe_half(middle, half):
-    """Half-widths less a reserve for rounding, of the width itself and of the largest value; never below a half of the width."""
+    """Half-widths less a reserve for rounding, of the width and of the largest value; at least a half of the width."""
     largest = 0.0
     for y in middle.flat:
         largest = max(largest, abs(y))
@@ -45,7 +45,7 @@ def segment_holds(y, half, a, b, va, ma, vb, mb):
 
 @kernel
 def mend(middle, half, frames, values, slopes):
-    """Keys on every frame of a segment that fails for any member (rounding): exact there. Returns the keys and how many segments failed."""
+    """Keys on every frame of a segment that fails for any member (rounding): exact there. Returns also how many failed."""
     members, n = middle.shape
     on = np.zeros(n, np.bool_)
     on[frames] = True
@@ -75,7 +75,7 @@ def mend(middle, half, frames, values, slopes):
 
 @kernel
 def fit(middle, half, width, stride, corners):
-    """Keys within half (M, F) of middle (M, F): frames (K,), values (M, K), slopes (M, K) per frame, and the number of segments mended."""
+    """Keys within half (M, F) of middle (M, F), C-order: frames (K,), values and slopes per frame (M, K), segments mended."""
     members, n = middle.shape
     if n < 2:
         return np.zeros(n, np.int64), middle.copy(), np.zeros((members, n)), 0
@@ -88,6 +88,9 @@ def fit(middle, half, width, stride, corners):
 
 
 def solve(middle: np.ndarray, half: np.ndarray, quality: str) -> Keys:
-    """Keys of M channels with shared times: |curve - middle| <= half at every frame. middle, half (M, F); quality: a name of SETTINGS."""
+    """Keys of M channels with shared times, |curve - middle| <= half at every frame.
+
+    middle, half: (M, F), the channels' unit, finite, half > 0. quality: a name of SETTINGS.
+    """
     frames, values, slopes, _ = fit(np.ascontiguousarray(middle), np.ascontiguousarray(half), *SETTINGS[quality])
     return Keys(frames, values, slopes)
