@@ -25,6 +25,11 @@ def curves(draw: st.DrawFn, least: int = 2, broken: bool = False) -> tuple[np.nd
     return draw(st.floats(-10, 10)) + np.cumsum(gaps), *rows
 
 
+def digits(times: np.ndarray) -> float:
+    """How well a place between keys is known, in parts of the curve's size: as well as the time differences are."""
+    return 1e-12 + 2e-15 * float(np.abs(times).max() / np.diff(times).min())
+
+
 def inside(times: np.ndarray) -> np.ndarray:
     return np.concatenate([np.linspace(a, b, 9) for a, b in pairwise(times)])
 
@@ -35,13 +40,12 @@ def test_a_curve_is_the_thesis_matrix_form(curve: tuple[np.ndarray, ...]) -> Non
     scale = np.abs(values).max() + np.abs(curve[2:]).max() * np.ptp(times)
     for i in range(len(times) - 1):
         h = times[i + 1] - times[i]
-        digits = 1e-12 + 1e-15 * np.abs(times).max() / h  # s is only as good as the times are
         s = np.linspace(0.0, 1.0, 11)
         tangents = h * slopes[i], h * in_slopes[i + 1]
         expected = np.stack([s**3, s**2, s, s**0], axis=1) @ THESIS @ [values[i], values[i + 1], *tangents]
         found = hermite.evaluate(times, values, slopes, times[i] + s * h, in_slopes)
         leaves = s < 1 if i + 2 < len(times) else slice(None)  # a segment's end belongs to the next one
-        np.testing.assert_allclose(found[leaves], expected[leaves], rtol=0, atol=digits * scale)
+        np.testing.assert_allclose(found[leaves], expected[leaves], rtol=0, atol=digits(times) * scale)
 
 
 @given(curves(least=1, broken=True))
@@ -90,10 +94,10 @@ def test_a_curve_comes_back_from_its_bezier_form(curve: tuple[np.ndarray, ...]) 
     back = hermite.from_bezier(hermite.to_bezier(times, values, slopes, in_slopes))
     np.testing.assert_array_equal(back[0], times)
     np.testing.assert_array_equal(back[1], values)
-    digits = 1e-13 * (np.abs(values).max() + np.abs(times).max() * np.abs(curve[2:]).max()) / np.diff(times).min()
-    np.testing.assert_allclose(back[2][:-1], slopes[:-1], rtol=1e-9, atol=digits)
+    rounding = 1e-13 * (np.abs(values).max() + np.abs(times).max() * np.abs(curve[2:]).max()) / np.diff(times).min()
+    np.testing.assert_allclose(back[2][:-1], slopes[:-1], rtol=1e-9, atol=rounding)
     arriving = back[2] if back[3] is None else back[3]
-    np.testing.assert_allclose(arriving[1:], in_slopes[1:], rtol=1e-9, atol=digits)
+    np.testing.assert_allclose(arriving[1:], in_slopes[1:], rtol=1e-9, atol=rounding)
 
 
 @given(curves())
@@ -123,7 +127,7 @@ def test_subdividing_the_bezier_form_evaluates_the_curve(curve: tuple[np.ndarray
     np.testing.assert_allclose(left[:, 3, 0], cut, rtol=0, atol=1e-12 * np.abs(points).max())
     if s < 1:
         expected = hermite.evaluate(times, values, slopes, cut, in_slopes)
-        np.testing.assert_allclose(left[:, 3, 1], expected, rtol=0, atol=1e-12 * scale)
+        np.testing.assert_allclose(left[:, 3, 1], expected, rtol=0, atol=digits(times) * scale)
 
 
 @given(curves(), st.floats(0.05, 0.95))
