@@ -9,7 +9,7 @@ import numpy as np
 
 from .._jit import kernel
 
-STRIDE = 8  # frames between the looks of the first, coarse test of a cone
+STRIDES = (64, 8)  # frames between the looks of the first, coarse tests of a cone
 
 
 @kernel
@@ -27,14 +27,14 @@ def _next_open(skip: np.ndarray, frame: int) -> int:
 
 
 @kernel
-def _hopeful(middle: np.ndarray, half: np.ndarray, i: int, skip: np.ndarray) -> bool:
-    """Whether chords of one member (F,) from frame i may reach an open frame, judged by every STRIDE-th frame between.
+def _hopeful(middle: np.ndarray, half: np.ndarray, i: int, skip: np.ndarray, stride: int) -> bool:
+    """Whether chords of one member (F,) from frame i may reach an open frame, judged by every stride-th frame between.
 
     Without this test a long flat stretch costs the square of its length: each of its frames would walk to its end for
     nothing.
     """
     low, high = -np.inf, np.inf
-    t, j = i + STRIDE, _next_open(skip, i + 1)
+    t, j = i + stride, _next_open(skip, i + 1)
     while j < len(middle):
         while t < j:
             per_frame = 1.0 / (t - i)
@@ -42,7 +42,7 @@ def _hopeful(middle: np.ndarray, half: np.ndarray, i: int, skip: np.ndarray) -> 
             low, high = max(low, slope - reach), min(high, slope + reach)
             if low > high:
                 return False
-            t += STRIDE
+            t += stride
         if low <= (middle[j] - middle[i]) / (j - i) <= high:
             return True
         j = _next_open(skip, j + 1)
@@ -86,17 +86,19 @@ def fewest_chords(middle: np.ndarray, half: np.ndarray) -> np.ndarray:
     while count > 1 and came_from[count - 1] < 0:
         reached = 0
         for i in level[:size]:
-            if not _hopeful(first_middle, first_half, i, skip):
+            if not _hopeful(first_middle, first_half, i, skip, STRIDES[0]):
                 continue
-            end = count
-            for m in range(members):
+            if not _hopeful(first_middle, first_half, i, skip, STRIDES[1]):
+                continue
+            end = touched = _walk(first_middle, first_half, inverse, i, count, fits)
+            for m in range(1, members):
                 end = _walk(middle[m], half[m], inverse, i, end, fits)
             for t in range(i + 1, end):
                 if fits[t] and skip[t] == t:
                     came_from[t], skip[t] = i, t + 1
                     following[reached] = t
                     reached += 1
-            fits[i + 1 : end] = True
+            fits[i + 1 : touched] = True
             if came_from[count - 1] >= 0:
                 break
         level[:reached] = following[:reached] if reached < 2 else np.sort(following[:reached])[::-1]

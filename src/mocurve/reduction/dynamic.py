@@ -27,6 +27,7 @@ ROUNDS = 10  # as in B.1
 LEAST_GAIN = 1e-3  # two rounds in a row that lessen the squared error by a smaller part end the search
 FORGIVEN = 0.3  # measured: 2.5-2.7 times the lower bound of keys, 3-8 times with light smoothing
 SIGMA = 1.0  # frames: the light smoothing before derivatives are taken
+ROUNDING = 1e-13  # of the largest value: a smaller second difference is none
 STEEP = 4.0  # slope window: so many value windows over the frames to the nearest key
 
 
@@ -66,7 +67,9 @@ def initial_keys(middle: np.ndarray, half: np.ndarray | None = None) -> Keys:
         smooth, sigma = wider, 2 * sigma
     slopes = np.gradient(smooth, axis=1) if count > 1 else np.zeros_like(smooth)
     scale = 1.0 if half is None else half.mean(axis=1, keepdims=True)
-    turning = _signs(((slopes / scale)[:, 1:-1] * np.diff(smooth / scale, 2, axis=1)).sum(axis=0))
+    bends = np.diff(smooth, 2, axis=1)
+    bends[np.abs(bends) <= ROUNDING * np.abs(smooth).max(axis=1, keepdims=True)] = 0.0
+    turning = _signs((slopes[:, 1:-1] / scale * bends / scale).sum(axis=0))
     inside = np.flatnonzero(turning[1:] != turning[:-1]) + 1
     frames = np.unique(np.concatenate([[0], inside, [count - 1]])).astype(np.int64)
     return Keys(frames, smooth[:, frames], slopes[:, frames])
@@ -83,8 +86,8 @@ def _smoothed(y: np.ndarray, sigma: float) -> np.ndarray:
 
 
 def _signs(x: np.ndarray) -> np.ndarray:
-    """Signs of x (N,), each zero taking the sign before it; what is only rounding counts as zero."""
-    signs = np.where(np.abs(x) > 1e-12 * np.abs(x).max(initial=0.0), np.sign(x), 0.0)
+    """Signs of x (N,), each zero taking the sign before it; the first ones that after them."""
+    signs = np.sign(x)
     last = np.maximum.accumulate(np.where(signs != 0, np.arange(len(x)), -1))
     return np.where(last >= 0, signs[last], signs[np.argmax(signs != 0)] if len(x) else 0.0)
 

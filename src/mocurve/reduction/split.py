@@ -38,9 +38,11 @@ def grown(start: np.ndarray, middle: np.ndarray, half: np.ndarray) -> Keys:
 def ratio_keys(y: np.ndarray, ratio: float) -> np.ndarray:
     """Key frames (K,) of the thesis's recursion on one channel y (F,).
 
-    A segment is split at the frame with the largest perpendicular distance from its chord while that distance divided
-    by the chord's length is over `ratio`; the plane is (frames, channel unit), as in B.2. (Step 3 of 3.2 words the
-    test the other way round.)
+    A segment is split at the frame with the largest perpendicular distance from its chord while that distance, the
+    height, divided by the chord's length is over `ratio`; the plane is (frames, channel unit).
+
+    Two slips of the thesis are not copied: step 3 of 3.2 words the test the other way round, and the code of B.2 takes
+    area / base for the height, which is half of it. So its threshold 0.005 is the ratio 0.01 here.
     """
     if not ratio >= 0:
         raise OptionError(f"ratio is height over chord length, a number from 0 on, not {ratio!r}")
