@@ -9,7 +9,7 @@ from ..errors import FileError
 from ..skeleton import CHANNEL_KINDS, Skeleton
 from ._files import Path
 
-MAX_JOINTS = 100_000  # far more than any body; keeps a hostile file from filling the memory with joints
+MAX_JOINTS = 20_000  # far more than any body; keeps a hostile file from filling the memory with joints
 MAX_NAME = 1000  # characters
 MAX_WORD = 100_000
 NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?\Z")
@@ -36,7 +36,7 @@ def parse(text: str, whole: bool, path: Path) -> Header:
     scanner = Scanner(text, whole, path)
     skeleton = _Hierarchy(scanner).read()
     frames = _frames(scanner)
-    frame_time = _frame_time(scanner)
+    frame_time = _frame_time(scanner, frames)
     return Header(skeleton, frames, frame_time, scanner.at, scanner.line(scanner.at) - 1)
 
 
@@ -192,7 +192,7 @@ def _frames(scanner: Scanner) -> int:
     return int(count)
 
 
-def _frame_time(scanner: Scanner) -> str:
+def _frame_time(scanner: Scanner, frames: int) -> str:
     """The digits of the frame time, as written; the scanner then stands behind the end of their line."""
     word = scanner.word()
     if word.lower() == "frame":
@@ -208,6 +208,8 @@ def _frame_time(scanner: Scanner) -> str:
     rest = scanner.text.find(scanner.newline, scanner.at)
     if rest < 0 and not scanner.whole:
         raise NeedsMore
+    if rest < 0 and frames:
+        scanner.fail(f"a line end and {frames} frames expected after the frame time, the end of the file found")
     rest = len(scanner.text) if rest < 0 else rest + 1
     if scanner.text[scanner.at : rest].strip(_BLANK):
         scanner.fail(f"the end of the line expected after the frame time, {found(scanner.word())}")

@@ -48,6 +48,9 @@ def read_rows(read: Read, place: Place, channels: int, frames: int) -> np.ndarra
     lines.finish()
     check_lines(lines, channels, frames, place.path)
     if tail and not tail.endswith(_BLANKS):
+        if rows.count < frames:
+            told = f"{frames} frames announced, but the file ends without a line end in frame {rows.count}"
+            raise FileError(told, place.path, lines.last_line)
         _check_last_number(tail.split()[-min(channels, _LAST) :], lines.last_line, place.path)
     return rows.finish()
 

@@ -10,7 +10,7 @@ from ..errors import Mismatch
 from ..skeleton import Skeleton
 from ._bvh_header import MAX_NAME, end_site_name
 
-_INDENT = 40  # tabs at most: a chain of 100,000 joints must not become gigabytes of them
+_INDENT = 40  # tabs at most: a chain of 20,000 joints must not become gigabytes of them
 
 
 def hierarchy(skeleton: Skeleton, lossless: bool) -> str:
@@ -46,14 +46,8 @@ def _title(skeleton: Skeleton, joint: int, sites: dict[int, int]) -> str:
 def _check(skeleton: Skeleton) -> None:
     if not skeleton.names:
         raise Mismatch("a BVH file has at least one joint, the skeleton has none")
-    open_joints: list[int] = []
     for joint, parent in enumerate(skeleton.parents.tolist()):
         name = skeleton.names[joint]
-        while open_joints and open_joints[-1] != parent:
-            open_joints.pop()
-        if parent >= 0 and not open_joints:
-            raise Mismatch(f"joint {name!r} does not stand in depth-first order, as a BVH file has it")
-        open_joints.append(joint)
         if re.search(r"[{}\r\n\0]|\A[ \t\f\v]|[ \t\f\v]\Z", name) or len(name) > MAX_NAME:
             raise Mismatch(
                 f"a BVH file cannot hold the joint name {name[:60]!r}: braces, line ends, blanks at an end, or too long"

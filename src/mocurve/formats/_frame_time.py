@@ -32,13 +32,14 @@ _RATES = (
     1000,
 )
 _USUAL = [(1, rate) for rate in _RATES] + [(1001, rate * 1000) for rate in (24, 30, 60, 120)]  # seconds as (k, fps)
+_NEAR = 0.01  # frames a second
 
 
 def snapped(digits: str) -> float:
     """Seconds for a frame time as a file has it: "0.0083333" is 1/120, since that is what these digits are of.
 
-    A usual rate (also the NTSC ones, k = 1001) that lies within the digits given is taken, else the only whole rate
-    that does; both only within half a percent. Where there is neither the digits mean themselves.
+    A usual rate (also the NTSC ones, k = 1001) that lies within the digits given, and at most half a percent off, is taken;
+    any other whole rate only where the digits all but say it. Else they mean themselves.
     """
     given = float(digits)
     top, bottom = _fraction(digits)
@@ -49,8 +50,7 @@ def snapped(digits: str) -> float:
         return given
     fits = [pair for pair in _USUAL if _within(pair, top, bottom)]
     if not fits:
-        fits = [(1, n) for n in range(max(rate - 2, 1), rate + 3) if _within((1, n), top, bottom)]
-        fits = fits if len(fits) == 1 else []
+        fits = [(1, rate)] if rate and abs(1 / given - rate) < _NEAR and _within((1, rate), top, bottom) else []
     return fits[0][0] / fits[0][1] if fits else given
 
 

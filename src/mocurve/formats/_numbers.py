@@ -1,10 +1,10 @@
 """Decimal numbers in text, many at a time: bit for bit what float() makes of them, several times as fast.
 
-Numbers such as -12.345678 are read by arithmetic on whole columns of text: their digits are loaded as 8-byte words, which
-three multiplications turn into integers (D. Lemire, "Number parsing at a gigabyte per second", 2021). With m = all digits
-as an integer < 2^53 and k <= 22 digits behind the point, m and 10^k are exact floats, so that the one rounding of m / 10^k
-is the right one (W. D. Clinger, "How to read floating point numbers accurately", 1990). Text that has anything else in it
-(exponents, more digits) goes through float() number by number.
+Numbers such as -12.345678 are read by arithmetic on whole columns of text: their digits are loaded as 8-byte words,
+which three multiplications turn into integers (D. Lemire, "Number parsing at a gigabyte per second", 2021). With m =
+all digits as an integer < 2^53 and k <= 22 digits behind the point, m and 10^k are exact floats, so that the one
+rounding of m / 10^k is the right one (W. D. Clinger, "How to read floating point numbers accurately", 1990). Text that
+has anything else in it (exponents, more digits) goes through NumPy's reader of text.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ def parse(text: np.ndarray, newline: int) -> Block:
 def _plain(text: np.ndarray, ends: np.ndarray, lengths: np.ndarray) -> np.ndarray | None:
     """The numbers that end before `ends`; None unless each is [-]digits[.digits] and fits into two words.
 
-    That is 8 digits before the point and 7 behind it, or 7 without a point: at most 15, so that they are exact in a float.
+    That is 8 digits before the point and 7 behind it, or 7 without a point: at most 15, which a float holds exactly.
     """
     pairs = np.ndarray(len(text) - 2 * _WORD + 1, "<c16", text, 0, (1,))  # the 16 characters from each place on
     words = pairs[ends - 2 * _WORD].view("<u8")
@@ -84,9 +84,9 @@ def _plain(text: np.ndarray, ends: np.ndarray, lengths: np.ndarray) -> np.ndarra
 
 
 def _points(text: np.ndarray, ends: np.ndarray, digits: np.ndarray, low: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """How many digits stand behind the point, one count for all where they agree; the same with 8 where there is no point.
+    """How many digits stand behind the point, one count for all where they agree; the same with 8 where there is none.
 
-    The points are taken out of `digits`; one that is not among the last 8 characters, `low`, stays there as a false digit.
+    The points are taken out of `digits`; one that is not among the last 8 characters, `low`, stays in as a false digit.
     """
     points = np.count_nonzero(text == _DOT)
     first = text[ends[0] - digits[0] : ends[0]].tobytes()[::-1].find(b".")
@@ -105,7 +105,7 @@ def _points(text: np.ndarray, ends: np.ndarray, digits: np.ndarray, low: np.ndar
 
 
 def _digits(high: np.ndarray, low: np.ndarray, digits: np.ndarray, behind: np.ndarray) -> np.ndarray:
-    """All digits of each number as an integer, as a float; `behind` masks those of `low` that stand behind the point."""
+    """All digits of each number as an integer in a float; `behind` masks those of `low` that stand behind the point."""
     last = low << np.uint64(8)  # the digits before the point move up to those behind it
     last &= ~behind
     last |= low & behind

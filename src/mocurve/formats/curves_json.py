@@ -113,8 +113,9 @@ class _Reader:
     def keyed(self, data: Any) -> KeyedMotion:
         if not isinstance(data, dict) or data.get("format") != FORMAT:
             self.fail("format", f"an object with {FORMAT!r}")
-        if data.get("version") != VERSION:
-            self.fail("version", f"{VERSION}, not {str(data.get('version'))[:40]},")
+        version = data.get("version")
+        if type(version) is not int or version != VERSION:
+            self.fail("version", f"{VERSION}, not {str(version)[:40]},")
         frame_time = self.number(data.get("frame_time"), "frame_time")
         if frame_time <= 0:
             self.fail("frame_time", "seconds above 0")

@@ -1,0 +1,80 @@
+"""What holds for every format, and how the format of a file is found."""
+
+from __future__ import annotations
+
+import csv
+import inspect
+
+import numpy as np
+import pytest
+
+import mocurve as mc
+from mocurve.formats import FORMATS, metres
+from mocurve.formats import csv as csv_format
+
+
+@pytest.mark.parametrize("extension", FORMATS)
+def test_every_format_reads_and_writes_by_the_same_contract(extension):
+    assert list(inspect.signature(FORMATS[extension].read).parameters) == ["path"]
+    assert list(inspect.signature(FORMATS[extension].write).parameters) == ["path", "clip", "lossless"]
+
+
+@pytest.mark.parametrize("extension", [name for name in FORMATS if FORMATS[name] is not csv_format])
+def test_every_format_gives_back_the_samples_of_keys(tmp_path, keys, extension):
+    path = tmp_path / f"A B{extension.upper()}"
+    mc.write(str(path), keys, lossless=True)
+    back = mc.read(path)
+    assert back.sample().values.tobytes() == keys.sample().values.tobytes()
+    assert back.frame_time == keys.frame_time
+    assert back.skeleton.channel_names == keys.skeleton.channel_names
+
+
+@pytest.mark.parametrize("extension", FORMATS)
+def test_every_format_says_what_is_missing(tmp_path, extension):
+    with pytest.raises(mc.FileError) as caught:
+        mc.read(tmp_path / f"missing{extension}")
+    assert str(caught.value).startswith(str(tmp_path))
+
+
+@pytest.mark.parametrize("name", ["clip", "clip.fbx", "clip.json", "clip.bvh.gz", ""])
+def test_an_unknown_extension_names_the_known_ones(name):
+    with pytest.raises(mc.OptionError, match=r"a file name ends in \.bvh, \.curves\.json, \.csv, \.npz"):
+        mc.read(name)
+
+
+@pytest.mark.parametrize(
+    ("unit", "length"),
+    [
+        ("mm", 0.001),
+        ("CM", 0.01),
+        ("m", 1),
+        ("in", 0.0254),
+        ("inch", 0.0254),
+        ("ft", 0.3048),
+        (0.056444, 0.056444),
+        ("0.5", 0.5),
+    ],
+)
+def test_the_unit_of_a_file_can_be_said(bvh, unit, length):
+    assert mc.read(bvh(), unit=unit).skeleton.unit == length
+    assert mc.read(bvh()).skeleton.unit is None
+
+
+@pytest.mark.parametrize("unit", ["yard", 0, -1, float("nan"), float("inf"), "", [1]])
+def test_an_odd_unit_is_refused_with_the_known_ones(unit):
+    with pytest.raises(mc.OptionError, match="unit is one of mm, cm, m, in, inch, ft or a positive number of metres"):
+        metres(unit)
+
+
+def test_csv_is_a_table_with_time_and_channel_names(tmp_path, small):
+    mc.write(tmp_path / "a.csv", small, lossless=True)
+    with open(tmp_path / "a.csv", newline="") as file:
+        head, *rows = list(csv.reader(file))
+    assert head == ["time", "Hips.Xposition", "Hips.Zrotation", "Hips.Yrotation", "Knee.Xrotation"]
+    assert np.array(rows, float).tolist() == np.column_stack((np.arange(3) / 120, small.values)).tolist()
+
+
+def test_csv_is_not_read(tmp_path, small):
+    mc.write(tmp_path / "a.csv", small)
+    with pytest.raises(mc.FileError, match=r"no skeleton and is only written; \.npz and \.bvh are read back"):
+        mc.read(tmp_path / "a.csv")
