@@ -50,8 +50,15 @@ class Skeleton:
         for label in ("parents", "offsets", "channels", "end_sites"):
             if len(getattr(self, label)) != count:
                 raise Mismatch(f"{count} joint names but {len(getattr(self, label))} {label}")
-        if any(not -1 <= parent < joint for joint, parent in enumerate(self.parents)):
-            raise Mismatch("a joint stands before its parent")
+        open_joints: list[int] = []  # the joint before and its ancestors
+        for joint, parent in enumerate(self.parents.tolist()):
+            while open_joints and open_joints[-1] != parent:
+                open_joints.pop()
+            if parent != -1 and not open_joints:
+                raise Mismatch(
+                    f"joint {self.names[joint]!r} is out of order: joints stand depth first, after their parent"
+                )
+            open_joints.append(joint)
         for name, kinds in zip(self.names, self.channels, strict=True):
             for kind in kinds:
                 if kind not in CHANNEL_KINDS:

@@ -33,16 +33,16 @@ class Scene(NamedTuple):
 
 
 @kernel
-def sampled(frames, values, slopes, out):
-    """Samples of a C1 Hermite curve at every frame between its first key and its last, into out; a single key is a constant."""
+def sampled(frames, values, slopes, arriving, out):
+    """Samples of a Hermite curve at every frame between its first key and its last, into out; a single key is a constant."""
     if len(frames) == 1:
         out[:] = values[0]
     for q in range(len(frames) - 1):
         a, h = frames[q], frames[q + 1] - frames[q]
         va, ma = values[q], h * slopes[q]
         rise = values[q + 1] - va
-        c2 = 3.0 * rise - 2.0 * ma - h * slopes[q + 1]
-        c3 = ma + h * slopes[q + 1] - 2.0 * rise
+        c2 = 3.0 * rise - 2.0 * ma - h * arriving[q + 1]
+        c3 = ma + h * arriving[q + 1] - 2.0 * rise
         for g in range(h):
             s = g / h
             out[a + g] = va + s * (ma + s * (c2 + s * c3))
@@ -84,7 +84,7 @@ def centre(scene, k, frames, values, slopes, near):
     v, m, worst = refit(frames, middle, half, SWEEPS)
     if worst <= 1.0:
         values[:], slopes[:] = v, m
-        sampled(frames, v, m, new)
+        sampled(frames, v, m, m, new)
         put(scene, k, new, 0, n)
 
 
@@ -143,7 +143,7 @@ def try_window(scene, members, kept, lo, hi, frames, values, slopes, near):
                 new[begin:end] = before[back]
                 put(scene, members[back], new, begin, end)
             return states, False
-        sampled(kept, v, m, new)
+        sampled(kept, v, m, m, new)
         put(scene, k, new, begin, end)
         states[i, :, 0], states[i, :, 1] = v, m
     return states, True

@@ -95,7 +95,11 @@ def reach_of_limits(body, k, points, axes, limits, floor, out):
         for p in range(first, last):
             arm = 1.0
             if body.rotates[k]:
-                x, y, z = points[f, 0, p] - points[f, 0, own], points[f, 1, p] - points[f, 1, own], points[f, 2, p] - points[f, 2, own]
+                x, y, z = (
+                    points[f, 0, p] - points[f, 0, own],
+                    points[f, 1, p] - points[f, 1, own],
+                    points[f, 2, p] - points[f, 2, own],
+                )
                 c0, c1, c2 = u1 * z - u2 * y, u2 * x - u0 * z, u0 * y - u1 * x
                 arm = max(np.sqrt(c0 * c0 + c1 * c1 + c2 * c2), floor) * (np.pi / 180.0)
             most = max(most, arm / limits[f, p])
@@ -168,7 +172,9 @@ def narrow(body, k, points, target, axes, limits, begin, end, low, high):
         arcs(first, last, own, k, f, points, target, axes, limits, B, C, D)
         (sin_lo, cos_lo), (sin_hi, cos_hi) = sine_cosine(lo), sine_cosine(hi)
         for back in range(first, last):
-            p = first + last - back - 1  # the far ends of limbs first: they are the tightest, and spare the others the trigonometry
+            p = (
+                first + last - back - 1
+            )  # the far ends of limbs first: they are the tightest, and spare the others the trigonometry
             b, c, d = B[p], C[p], D[p]
             if b > 0.0 and b * cos_lo + c * sin_lo >= d and b * cos_hi + c * sin_hi >= d:
                 continue

@@ -26,7 +26,9 @@ METRES = {"mm": 0.001, "cm": 0.01, "m": 1.0, "in": 0.0254, "inch": 0.0254, "ft":
 WORLD_UNITS = (*METRES, "u", "%height")
 CHANNEL_UNITS = ("deg", "%range")
 
-_RULE = re.compile(r"(?:(?P<name>[^@]*?)(?:@(?P<start>[^.@]*(?:\.\d+)?)\.\.(?P<end>[^@]*))?=)?(?P<amount>[^=]+)", re.DOTALL)
+_RULE = re.compile(
+    r"(?:(?P<name>[^@]*?)(?:@(?P<start>[^.@]*(?:\.\d+)?)\.\.(?P<end>[^@]*))?=)?(?P<amount>[^=]+)", re.DOTALL
+)
 _AMOUNT = re.compile(r"\s*(?P<number>[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(?P<unit>%?\s*[A-Za-z]+)\s*")
 
 
@@ -61,7 +63,9 @@ def parse(tolerance: str | Sequence[str]) -> tuple[Rule, ...]:
     """Rules from their text. Without a rule for the whole clip the default, 0.1 % of the rest height, stands first."""
     texts = [tolerance] if isinstance(tolerance, str) else tolerance
     if not isinstance(texts, Sequence) or not texts or not all(isinstance(text, str) for text in texts):
-        raise OptionError(f"a tolerance is a text with its unit, like '2mm' or '0.5deg' (or a list of such), not {tolerance!r}")
+        raise OptionError(
+            f"a tolerance is a text with its unit, like '2mm' or '0.5deg' (or a list of such), not {tolerance!r}"
+        )
     rules = tuple(_rule(text) for text in texts)
     if not any(rule.name is None and rule.start is None and rule.end is None for rule in rules):
         rules = (_rule(DEFAULT), *rules)
@@ -133,7 +137,9 @@ def _frames(rule: Rule, motion: Motion) -> np.ndarray:
     if rule.end is not None:
         inside &= times <= rule.end + 1e-9
     if not inside.any() and motion.frames:
-        raise OptionError(f"no frame lies from {rule.start or 0:g} to {rule.end:g} s; the clip ends at {motion.duration:g} s")
+        raise OptionError(
+            f"no frame lies from {rule.start or 0:g} to {rule.end:g} s; the clip ends at {motion.duration:g} s"
+        )
     return inside
 
 
@@ -142,7 +148,9 @@ def _rule(text: str) -> Rule:
     parts = _RULE.fullmatch(text.strip())
     amount = _AMOUNT.fullmatch(parts["amount"]) if parts else None
     if parts is None or amount is None:
-        raise OptionError(f"tolerance {text!r}: a number and a unit are expected, like 2mm or LeftHand@1.2..2.0=0.5mm; units: {known}")
+        raise OptionError(
+            f"tolerance {text!r}: a number and a unit are expected, like 2mm or LeftHand@1.2..2.0=0.5mm; units: {known}"
+        )
     unit = amount["unit"].replace(" ", "")
     if unit not in (*WORLD_UNITS, *CHANNEL_UNITS):
         raise OptionError(f"tolerance {text!r}: no unit {unit!r}; units: {known}")

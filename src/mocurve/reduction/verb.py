@@ -89,13 +89,23 @@ def reduce(
     _known("method", method, METHODS)
     _known("quality", quality, QUALITIES)
     texts = [tolerance] if isinstance(tolerance, str) else list(tolerance)
-    step: dict[str, Any] = {"verb": "reduce", "tolerance": texts, "method": method, "align": align, "quality": quality, "feet": feet}
+    step: dict[str, Any] = {
+        "verb": "reduce",
+        "tolerance": texts,
+        "method": method,
+        "align": align,
+        "quality": quality,
+        "feet": feet,
+    }
     if ratio is not None:
         return _by_ratio(clip, ratio, step, started)
     problem = _problem(clip, texts, align, feet)
     chosen = METHODS[method]
     if problem.motion.frames == 0:
-        keys, tubes = [Keys(np.zeros(0, np.int64), np.zeros((len(g), 0)), np.zeros((len(g), 0))) for g in problem.groups], []
+        keys, tubes = (
+            [Keys(np.zeros(0, np.int64), np.zeros((len(g), 0)), np.zeros((len(g), 0))) for g in problem.groups],
+            [],
+        )
     elif problem.limits.joints is None:
         keys, tubes = _by_channel(problem, chosen.solve, quality)
     else:
@@ -106,12 +116,67 @@ def reduce(
 def refine(keys: KeyedMotion, clip: Clip) -> KeyedMotion:
     """The same number of keys, moved in time, value and slope until they follow the clip better: Önder 2007, section 3.1, as polish.
 
-    The squared error of no channel grows. Where the keys come from `reduce`, its promise still holds. Key times that channels share
-    stay shared. Mismatch where keys and clip have different skeletons or lengths.
+    Without a promise in space the squared error of no channel grows; with one, every curve is drawn towards the middle of what the
+    promise leaves it, and the RMS error in space does not grow. A promise that `reduce` made and that holds against this clip still
+    holds. Key times that channels share stay shared. Mismatch where keys and clip have different skeletons or lengths, or a key lies
+    between two frames.
 
     >>> mc.refine(mc.reduce(walk, method="split"), walk)
     """
-    raise Mismatch("not yet")
+    started = perf_counter()
+    made = next((step for step in reversed(keys.history) if step.get("verb") == "reduce"), {})
+    texts, align, feet = made.get("tolerance"), made.get("align", "channel"), made.get("feet", 1.0)
+    problem = _problem(clip, texts or ["360deg"], align, feet)
+    before = _on_frames(keys, problem)
+    if problem.limits.joints is None:
+        after = [
+            _polished(*each, promised=texts is not None)
+            for each in zip(before, *_samples_and_limits(problem), strict=True)
+        ]
+    else:
+        after = world.polish(problem.motion, problem.groups, problem.limits, before, dynamic.refine_keys)
+    step = {**made, "verb": "refine", "tolerance": texts}
+    result = _reported(keys, problem, _held(problem, after) if texts is not None else after, [], step, started)
+    told = compare(problem.motion, keys)
+    return result if result.report.rms_error_world <= told.rms_error_world or problem.limits.joints is None else keys
+
+
+def _polished(keys: Keys, samples: np.ndarray, half: np.ndarray, promised: bool) -> Keys:
+    return dynamic.refine_keys(keys, samples, half if promised and _inside(keys, samples, half) else None)
+
+
+def _inside(keys: Keys, samples: np.ndarray, half: np.ndarray) -> bool:
+    now = np.array([world.samples_of(keys, member, samples.shape[1]) for member in range(len(samples))])
+    return bool((np.abs(now - samples) <= half).all())
+
+
+def _on_frames(keys: KeyedMotion, problem: Problem) -> list[Keys]:
+    """The curves as groups of keys on frames."""
+    motion = problem.motion
+    if keys.skeleton.channel_names != motion.skeleton.channel_names or keys.frames != motion.frames:
+        raise Mismatch(f"{keys!r} and {motion!r} are not the same motion: channels or frames differ")
+    step, last = motion.frame_time, max(motion.frames - 1, 0)
+    result = []
+    for group in problem.groups:
+        curves = [keys.curves[k] for k in group]
+        frames = np.rint(curves[0].times / step).astype(np.int64)
+        name = motion.skeleton.channel_names[group[0]]
+        for curve in curves:
+            if len(curve) != len(frames) or (np.abs(curve.times - frames * step) > 1e-6 * step).any():
+                raise Mismatch(
+                    f"the keys of {name!r} do not lie on frames, or not where those that share their times do"
+                )
+        if len(frames) > 1 and (frames[0] != 0 or frames[-1] != last):
+            raise Mismatch(f"the keys of {name!r} do not reach from the first frame to the last")
+        arriving = (
+            np.array([curve.in_slopes for curve in curves]) * step if any(curve.broken for curve in curves) else None
+        )
+        values, slopes = (
+            np.array([curve.values for curve in curves]),
+            np.array([curve.slopes for curve in curves]) * step,
+        )
+        result.append(Keys(frames, values, slopes, arriving))
+    return result
 
 
 # -- the problem -----------------------------------------------------------------------------------
@@ -137,7 +202,9 @@ def _numbers(motion: Motion) -> Motion:
         channel = int(np.flatnonzero(bad.any(axis=0))[0])
         frame = int(np.flatnonzero(bad[:, channel])[0])
         name, value = motion.skeleton.channel_names[channel], motion.values[frame, channel]
-        raise Mismatch(f"channel {name!r} has the value {value} at frame {frame}: only numbers up to {LARGEST:g} can be reduced")
+        raise Mismatch(
+            f"channel {name!r} has the value {value} at frame {frame}: only numbers up to {LARGEST:g} can be reduced"
+        )
     return motion
 
 
@@ -162,16 +229,23 @@ def _known(kind: str, name: str, names: Any) -> None:
 
 def _by_channel(problem: Problem, solve: world.Solve, quality: str) -> tuple[list[Keys], list[world.Tube]]:
     """Every group on its own, inside its channels' limits; one thread a core."""
-    samples = np.ascontiguousarray(problem.motion.values.T)
-    half = np.maximum(problem.limits.channels * (1.0 - SLACK), 1e-300)
-    tubes = [(samples[group], half[group]) for group in problem.groups]
+    tubes = list(zip(*_samples_and_limits(problem), strict=True))
     keys = _side_by_side(lambda tube: world.group_keys(*tube, solve, quality), tubes, "reducing")
     return keys, tubes
 
 
+def _samples_and_limits(problem: Problem) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Of every group its samples and its channels' limits, (M, F) each."""
+    samples = np.ascontiguousarray(problem.motion.values.T)
+    half = np.maximum(problem.limits.channels * (1.0 - SLACK), 1e-300)
+    return [samples[group] for group in problem.groups], [half[group] for group in problem.groups]
+
+
 def _side_by_side(work: Callable[[world.Tube], Any], tubes: list[world.Tube], label: str) -> list[Any]:
     done = []
-    with ThreadPoolExecutor(len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()) as threads:
+    with ThreadPoolExecutor(
+        len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    ) as threads:
         for result in threads.map(work, tubes):
             done.append(result)
             progress.advance(label, len(done), len(tubes))
@@ -239,11 +313,18 @@ def _repaired(keys: Keys, samples: np.ndarray, broken: np.ndarray) -> Keys:
     for a, b in zip(ends[:-1], ends[1:], strict=True):
         wanted[a : b + 1] |= broken[a : b + 1].any()
     at = np.flatnonzero(wanted)
-    values, slopes = samples[at].T.copy(), np.gradient(samples, axis=0)[at].T.copy() if frames > 1 else np.zeros((samples.shape[1], 1))
+    values, slopes = (
+        samples[at].T.copy(),
+        np.gradient(samples, axis=0)[at].T.copy() if frames > 1 else np.zeros((samples.shape[1], 1)),
+    )
     kept = np.isin(at, keys.frames[~broken[keys.frames]])
     old = np.isin(keys.frames, at[kept])
     values[:, kept], slopes[:, kept] = keys.values[:, old], keys.slopes[:, old]
-    return Keys(at, values, slopes) if keys.in_slopes is None else linear.polyline(at, values)
+    if keys.in_slopes is None:
+        return Keys(at, values, slopes)
+    arriving = slopes.copy()
+    arriving[:, kept] = keys.in_slopes[:, old]
+    return Keys(at, values, slopes, arriving)
 
 
 # -- the result ------------------------------------------------------------------------------------
@@ -256,7 +337,9 @@ def _curves(problem: Problem, keys: list[Keys]) -> list[HermiteCurve]:
     for group, found in zip(problem.groups, keys, strict=True):
         for member, channel in enumerate(group):
             arriving = None if found.in_slopes is None else found.in_slopes[member] / step
-            curves[channel] = HermiteCurve(found.frames * step, found.values[member], found.slopes[member] / step, arriving)
+            curves[channel] = HermiteCurve(
+                found.frames * step, found.values[member], found.slopes[member] / step, arriving
+            )
     return [curves[channel] for channel in range(len(curves))]
 
 
@@ -264,7 +347,9 @@ def _reported(
     clip: Clip, problem: Problem, keys: list[Keys], tubes: list[world.Tube], step: dict[str, Any], started: float
 ) -> KeyedMotion:
     motion = problem.motion
-    made = KeyedMotion(motion.skeleton, tuple(_curves(problem, keys)), motion.frame_time, motion.frames, (*clip.history, step))
+    made = KeyedMotion(
+        motion.skeleton, tuple(_curves(problem, keys)), motion.frame_time, motion.frames, (*clip.history, step)
+    )
     report = compare(motion, made)
     bounds = _side_by_side(lambda tube: lower_bound(*tube), tubes, "proving the lower bound")
     of_channel = {int(k): bound for group, bound in zip(problem.groups, bounds, strict=False) for k in group}
@@ -277,7 +362,8 @@ def _reported(
     if problem.limits.joints is not None:
         nearest = problem.limits.joints.min(axis=1, initial=np.inf)
         joints = tuple(
-            replace(row, tolerance=float(nearest[j]) if np.isfinite(nearest[j]) else None) for j, row in enumerate(joints)
+            replace(row, tolerance=float(nearest[j]) if np.isfinite(nearest[j]) else None)
+            for j, row in enumerate(joints)
         )
     told: Report = replace(
         report,
@@ -286,9 +372,11 @@ def _reported(
         joints=joints,
         lower_bound=sum(of_channel.values()) if of_channel else None,
         seconds=perf_counter() - started,
-        tolerance=f"ratio {step['ratio']:g}, no promise" if "ratio" in step else ", ".join(step["tolerance"]),
-        method=step["method"],
-        align=step["align"],
-        quality=step["quality"],
+        tolerance=f"ratio {step['ratio']:g}, no promise"
+        if "ratio" in step
+        else ", ".join(step["tolerance"] or ["none"]),
+        method=step.get("method"),
+        align=step.get("align"),
+        quality=step.get("quality"),
     )
     return replace(made, report=told)

@@ -29,7 +29,8 @@ SHARE = 0.15  # of what a channel's lever arm allows: where it starts
 
 
 Solve = Callable[[np.ndarray, np.ndarray, str], Keys]
-Tube = tuple[np.ndarray, np.ndarray]
+Better = Callable[[Keys, np.ndarray, np.ndarray], Keys]
+Tube = tuple[np.ndarray, np.ndarray]  # middle and half-width (M, F)
 REST = 1  # rounds that a group is left alone after one that found nothing
 
 
@@ -43,10 +44,13 @@ class Round(NamedTuple):
 
 
 ROUNDS = {
-    "fast": [Round(s, 2, "fast", False) for s in (0.45, 1.2, 2.4)],
-    "default": [Round(s, 4, "default", False) for s in (0.3, 0.6, 1.2, 2.4, 2.4, 2.4, 2.4, 2.4)],
-    "good": [Round(s, 4, "good", True) for s in (0.3, 0.6, 1.2, 2.4, 2.4, 2.4, 2.4, 2.4)],
-    "best": [Round(s, 6, "best", True) for s in (0.3, 0.6, 1.2, 2.4, *[2.4] * 8)],
+    "fast": [Round(stray, 1, "default", False) for stray in (0.45, 1.2, 2.4)],
+    "default": [
+        *[Round(stray, 2, "default", False) for stray in (0.3, 0.8, 2.4, 2.4, 2.4)],
+        Round(2.4, 2, "good", False),
+    ],
+    "good": [Round(stray, 4, "good", True) for stray in (0.3, 0.6, 1.2, 2.4, 2.4, 2.4, 2.4, 2.4)],
+    "best": [Round(stray, 4, "best", True) for stray in (0.3, 0.6, 1.2, *[2.4] * 9)],
 }
 
 
@@ -134,13 +138,20 @@ def allowance(scene: Scene, floor: float) -> np.ndarray:
     return alone
 
 
+def take(scene: Scene, groups: list[np.ndarray], keys: list[Keys]) -> float:
+    """Make these the curves of the scene; returns how far its worst point is from its target, in limits."""
+    for group, found in zip(groups, keys, strict=True):
+        for member, k in enumerate(group):
+            scene.samples[k] = samples_of(found, member, scene.samples.shape[1])
+    pose(scene.body, scene.samples.T, scene.points, scene.axes)
+    return float(worst_of_limits(scene.points, scene.target, scene.limits))
+
+
 def samples_of(keys: Keys, member: int, frames: int) -> np.ndarray:
     """Samples (F,) of one member's curve."""
     out = np.empty(frames)
-    if keys.in_slopes is None:
-        sampled(keys.frames, keys.values[member], keys.slopes[member], out)
-    else:  # broken tangents are straight lines
-        out[:] = np.interp(np.arange(frames), keys.frames, keys.values[member])
+    arriving = keys.slopes if keys.in_slopes is None else keys.in_slopes
+    sampled(keys.frames, keys.values[member], keys.slopes[member], arriving[member], out)
     return out
 
 
@@ -152,7 +163,7 @@ def fit(
     solve: a method's; again: whether it is to be run again inside the tubes in every round. Returns with each group's keys the tube
     that it ended with: how far its channels might still go, all others as they are."""
     scene, alone, cap = problem(motion, limits)
-    keys, share = _start(scene, groups, alone, cap, solve, "fast" if quality in ("fast", "default") else quality)
+    keys, share = _start(scene, groups, alone, cap, solve)
     rounds = ROUNDS[quality]
     rest = np.zeros(len(groups), int)  # rounds for which a group is left alone, after a search in vain
     for number, step in enumerate(rounds):
@@ -161,7 +172,9 @@ def fit(
             for group, found in zip(reversed(groups), reversed(keys), strict=True):
                 _centre(scene, group, found, near)
         for g in range(len(groups) - 1, -1, -1):
-            progress.advance("fitting inside the tubes", number * len(groups) + len(groups) - g, len(rounds) * len(groups))
+            progress.advance(
+                "fitting inside the tubes", number * len(groups) + len(groups) - g, len(rounds) * len(groups)
+            )
             rest[g] -= 1
             if len(keys[g].frames) <= 2 or rest[g] >= 0:
                 continue
@@ -184,6 +197,20 @@ def problem(motion: Motion, limits: Limits) -> tuple[Scene, np.ndarray, np.ndarr
     return scene, alone, cap
 
 
+def polish(motion: Motion, groups: list[np.ndarray], limits: Limits, keys: list[Keys], better: Better) -> list[Keys]:
+    """The keys, group after group made better inside its tube: better(keys, middle, half) -> Keys, with as many keys. As they are where
+    the limits do not hold to begin with. Groups of several channels are left: their tubes hold for one channel at a time."""
+    scene, _, cap = problem(motion, limits)
+    if take(scene, groups, keys) > 1.0:
+        return keys
+    polished = list(keys)
+    for g in range(len(groups) - 1, -1, -1):
+        if len(groups[g]) == 1:
+            polished[g] = better(keys[g], *tubes(scene, groups[g], cap))
+            put(scene, groups[g][0], samples_of(polished[g], 0, motion.frames), 0, motion.frames)
+    return polished
+
+
 def tubes(scene: Scene, group: np.ndarray, near: np.ndarray) -> Tube:
     """Middle and half-width (M, F) of the tubes of a group's channels, each given all others as they are."""
     frames = scene.samples.shape[1]
@@ -194,18 +221,14 @@ def tubes(scene: Scene, group: np.ndarray, near: np.ndarray) -> Tube:
 
 
 def _start(
-    scene: Scene, groups: list[np.ndarray], alone: np.ndarray, cap: np.ndarray, solve: Solve, quality: str
+    scene: Scene, groups: list[np.ndarray], alone: np.ndarray, cap: np.ndarray, solve: Solve
 ) -> tuple[list[Keys], float]:
     """Every group in a share of its allowance, the share lowered until the promise holds; returns the keys and the share."""
     share = SHARE
     while True:
         room = np.minimum(share * alone, cap)
-        keys = [group_keys(scene.original[group], room[group], solve, quality) for group in groups]
-        for group, found in zip(groups, keys, strict=True):
-            for member, k in enumerate(group):
-                scene.samples[k] = samples_of(found, member, scene.samples.shape[1])
-        pose(scene.body, scene.samples.T, scene.points, scene.axes)
-        worst = worst_of_limits(scene.points, scene.target, scene.limits)
+        keys = [group_keys(scene.original[group], room[group], solve, "fast") for group in groups]
+        worst = take(scene, groups, keys)
         if worst <= 1.0:
             return keys, share
         share *= 0.9 / worst
@@ -259,4 +282,6 @@ def _refuse_unlimited(motion: Motion, alone: np.ndarray, cap: np.ndarray) -> Non
     free = (np.isinf(alone) & np.isinf(cap)).any(axis=1) & (np.ptp(motion.values, axis=0) > 0.0)
     if free.any():
         name = motion.skeleton.channel_names[int(np.flatnonzero(free)[0])]
-        raise OptionError(f"this tolerance leaves channel {name!r} without a limit: nothing hangs on it; add one in deg, like '0.5deg'")
+        raise OptionError(
+            f"this tolerance leaves channel {name!r} without a limit: nothing hangs on it; add one in deg, like '0.5deg'"
+        )
