@@ -20,8 +20,8 @@ def support(
 ) -> bool:
     """The end state furthest in the direction (dv, dm); False if there is none.
 
-    Into s: row 0 the state (value from y[i], slope per segment) and the direction; below it the program's basis, from which
-    directions nearby need few pivots.
+    Into s: row 0 the state (value from y[i], slope per segment) and the direction; below it the program's basis, from
+    which directions nearby need few pivots.
     """
     aim(lp, 1.0, dv, dm)
     if solve(lp, count, y, half, i, j, 1.0 / (j - i)) > 0:
@@ -60,7 +60,7 @@ def first_supports(
 
 @kernel(fastmath=True)
 def missing(p: np.ndarray, q: np.ndarray) -> float:
-    """Area that may be missing beyond the edge from support p to q: triangle of the edge and the two supporting lines."""
+    """Area that may be missing beyond the edge from support p to q: triangle of the edge and both supporting lines."""
     dx, dy = q[0] - p[0], q[1] - p[1]
     turn = p[2] * q[3] - p[3] * q[2]
     return -0.5 * (q[2] * dx + q[3] * dy) * (p[3] * dy + p[2] * dx) / turn if turn > 0.0 else 0.0
@@ -84,8 +84,8 @@ def arrive(
     """Polygon of states (value from y[j], slope per frame) at frame j reached from the polygon `start` at frame i.
 
     Returns its corners, at most `most`; 0: there is none, or its area cannot be more than `floor`.
-    Sandwich: each support bounds the set by a line as well; the next direction is square to the edge beyond which most area
-    may be missing.
+    Sandwich: each support bounds the set by a line as well; the next direction is square to the edge beyond which most
+    area may be missing.
     """
     if not first_supports(lp, start, count, y, half, i, j, s, order):
         return 0

@@ -1,6 +1,7 @@
 """Weighted least squares of C1 cubic Hermite curves with fixed key times.
 
-Two unknowns a key (value, slope). The normal matrix has half-bandwidth 3 and is solved by banded Cholesky. It is kept as band[i, d] = A[i, i - d].
+Two unknowns a key (value, slope). The normal matrix has half-bandwidth 3 and is solved by banded Cholesky.
+It is kept as band[i, d] = A[i, i - d].
 """
 
 from __future__ import annotations
@@ -14,14 +15,16 @@ LAWSON_FLOOR = 0.05  # added to the error by which a sweep multiplies a weight, 
 
 
 @kernel(fastmath=True)
-def hermite_row(s, h, row):
+def hermite_row(s: float, h: float, row: np.ndarray) -> None:
     """Weights of (value, slope, value, slope) at the part s of a segment of h frames."""
     rise = (3.0 - 2.0 * s) * s * s
     row[0], row[1], row[2], row[3] = 1.0 - rise, s * (1.0 - s) * (1.0 - s) * h, rise, s * s * (s - 1.0) * h
 
 
 @kernel(fastmath=True)
-def normal_equations(frames, y, weights, band, right):
+def normal_equations(
+    frames: np.ndarray, y: np.ndarray, weights: np.ndarray, band: np.ndarray, right: np.ndarray
+) -> None:
     """Sum the normal equations of all frames from the first key to the last, the chord's pull included."""
     band[:] = 0.0
     right[:] = 0.0
@@ -44,7 +47,7 @@ def normal_equations(frames, y, weights, band, right):
 
 
 @kernel(fastmath=True)
-def hold(band, right, i, value):
+def hold(band: np.ndarray, right: np.ndarray, i: int, value: float) -> None:
     """Fix unknown i: its column goes to the right side."""
     n = len(right)
     for d in range(1, 4):
@@ -58,7 +61,7 @@ def hold(band, right, i, value):
 
 
 @kernel(fastmath=True)
-def solve_band(band, right):
+def solve_band(band: np.ndarray, right: np.ndarray) -> None:
     """Banded Cholesky in place; the solution replaces the right side."""
     n = len(right)
     for i in range(n):
@@ -79,7 +82,7 @@ def solve_band(band, right):
 
 
 @kernel(fastmath=True)
-def errors(frames, values, slopes, y, out):
+def errors(frames: np.ndarray, values: np.ndarray, slopes: np.ndarray, y: np.ndarray, out: np.ndarray) -> None:
     """|curve - y| at every frame from the first key to the last, into out (F,)."""
     for q in range(len(frames) - 1):
         a, h = frames[q], frames[q + 1] - frames[q]
@@ -92,11 +95,13 @@ def errors(frames, values, slopes, y, out):
 
 
 @kernel
-def refit(frames, middle, half, sweeps):
+def refit(
+    frames: np.ndarray, middle: np.ndarray, half: np.ndarray, sweeps: int
+) -> tuple[np.ndarray, np.ndarray, float]:
     """Values and slopes (per frame) of the C1 Hermite curve with the key frames (K,) nearest to middle (F,).
 
-    Weight 1/half²; `sweeps` more solutions with Lawson's weights (each times its error) draw the largest error down, up to
-    the first that is inside the band. Returns the best: values (K,), slopes (K,), its largest |curve - middle| / half.
+    Weight 1/half²; `sweeps` more solutions with Lawson's weights (each times its error) draw the largest error down,
+    up to the first that is inside the band. Returns the best: values (K,), slopes (K,), its largest |curve - middle| / half.
     """
     keys, n = len(frames), len(middle)
     values, slopes = middle[frames], np.zeros(keys)
@@ -124,8 +129,8 @@ def refit(frames, middle, half, sweeps):
 
 
 @kernel
-def fit_slopes(frames, values, y, weights):
-    """Slopes (K,) per frame: of the C1 Hermite curves through the key values (K,), the one nearest to y (F,); weights (F,)."""
+def fit_slopes(frames: np.ndarray, values: np.ndarray, y: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Slopes (K,) per frame: of the C1 Hermite curves through values (K,) the one nearest to y (F,); weights (F,)."""
     slopes = np.zeros(len(frames))
     if len(frames) < 2:
         return slopes

@@ -2,9 +2,9 @@
 
 The state of a key is (value, slope). From a convex set of states at one key, the states that can be reached at a later
 frame, every frame between being within its strip, form a convex set too. Forward: polygons are carried from each level
-(number of segments) to the few frames near the furthest that one more segment reaches. Backward: from the last frame on, a
-state is picked in every polygon of the winning chain. Members of a group share key times: each has its own polygon, and a
-frame is reached only where all members reach it.
+(number of segments) to the few frames near the furthest that one more segment reaches. Backward: from the last frame
+on, a state is picked in every polygon of the winning chain. Members of a group share key times: each has its own
+polygon, and a frame is reached only where all members reach it.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from ._end_states import arrive, new_supports
 from ._polygons import CORNERS, area, clip
 from ._strips import furthest, new_program
 
-# Slopes that a key may have: from the difference to one neighbour to that to the other, and this much more to either side.
+# Slopes that a key may have: from the difference to one neighbour to that to the other, and this much more.
 # Without a limit the slopes of noise wander off: the frames hold, but the curve between them swings.
 FREE_HALVES = 3.0  # half-widths
 FREE_SPREAD = 1.0  # times the distance between the two differences
@@ -78,7 +78,7 @@ def group_arrive(
     new_counts: np.ndarray,
     new_corners: np.ndarray,
 ) -> float:
-    """Polygons of all members at frame j. Returns the sum of the logarithms of their areas; -inf: not more than `best`."""
+    """Polygons of all members at frame j. Returns the sum of the logs of their areas; -inf: not more than `best`."""
     lp, supports, order, spare = room
     total, members = 0.0, middle.shape[0]
     for m in range(members):

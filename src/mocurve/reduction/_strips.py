@@ -1,12 +1,12 @@
 """Linear programs over the cubics of one segment: how far can they go, and in which states can they end?
 
-A cubic that leaves frame i is p = c0 + c1 t + c2 t² + c3 t³ with t = (frame - i) / span, counted from y[i]. Every demand
-on it is a strip |row . c - centre| <= half: one per frame, and one per edge of the polygon of states in which it may start
-(across the polygon's width).
+A cubic that leaves frame i is p = c0 + c1 t + c2 t² + c3 t³ with t = (frame - i) / span, counted from y[i]. Every
+demand on it is a strip |row . c - centre| <= half: one per frame, and one per edge of the polygon of states in which it
+may start (across the polygon's width).
 
-A dual simplex keeps four strips as its basis. As every strip has two sides, the sign of its multiplier tells on which side
-it lies: any four independent strips are dual feasible for any objective. So there is no first phase, and the basis stays
-when the objective turns or frames are added.
+A dual simplex keeps four strips as its basis. As every strip has two sides, the sign of its multiplier tells on which
+side it lies: any four independent strips are dual feasible for any objective. So there is no first phase, and the basis
+stays when the objective turns or frames are added.
 """
 
 from __future__ import annotations
@@ -30,14 +30,14 @@ EDGES = 10  # from here, one row for each edge of the start polygon: normal, cen
 
 
 @kernel
-def new_program(corners):
+def new_program(corners: int) -> np.ndarray:
     """Room for a program that starts from polygons of up to `corners` corners."""
     return np.empty((EDGES + corners, 4))
 
 
 @kernel(fastmath=True)
-def start_strips(lp, polygon, count, span):
-    """Strips of the edges of a polygon of states (value from y[i], slope per frame); in the strips slopes are per span."""
+def start_strips(lp: np.ndarray, polygon: np.ndarray, count: int, span: float) -> None:
+    """Strips of the edges of a polygon of states (value from y[i], slope per frame); theirs have slopes per span."""
     for a in range(count):
         b = a + 1 if a + 1 < count else 0
         nx = (polygon[b, 1] - polygon[a, 1]) * span
@@ -54,7 +54,7 @@ def start_strips(lp, polygon, count, span):
 
 
 @kernel(fastmath=True)
-def start_basis(lp, count, y, half, i, j, span):
+def start_basis(lp: np.ndarray, count: int, y: np.ndarray, half: np.ndarray, i: int, j: int, span: float) -> None:
     """First basis: edge 0, the edge least parallel to it, the frames half way to j and j."""
     other, most = 1, 0.0
     for a in range(1, count):
@@ -94,7 +94,7 @@ def start_basis(lp, count, y, half, i, j, span):
 
 
 @kernel(fastmath=True)
-def place(lp):
+def place(lp: np.ndarray) -> None:
     """The cubic in which the four strips of the basis meet, each at its side."""
     b0 = lp[CENTRE, 0] + lp[SIDE, 0] * lp[HALF, 0]
     b1 = lp[CENTRE, 1] + lp[SIDE, 1] * lp[HALF, 1]
@@ -106,7 +106,9 @@ def place(lp):
 
 
 @kernel(fastmath=True)
-def most_broken(lp, count, y, half, i, j, per_span):
+def most_broken(
+    lp: np.ndarray, count: int, y: np.ndarray, half: np.ndarray, i: int, j: int, per_span: float
+) -> tuple[int, float]:
     """The strip that the cubic exceeds most (in value), and its signed error there; 0.0 if all hold."""
     x0, x1, x2, x3 = lp[CUBIC, 0], lp[CUBIC, 1], lp[CUBIC, 2], lp[CUBIC, 3]
     base = x0 + y[i]
@@ -126,8 +128,8 @@ def most_broken(lp, count, y, half, i, j, per_span):
 
 
 @kernel(fastmath=True)
-def exchange(lp, k, excess, y, half, i, per_span):
-    """Bring strip k into the basis (long-step ratio test). False: it contradicts the basis, no cubic satisfies all five."""
+def exchange(lp: np.ndarray, k: int, excess: float, y: np.ndarray, half: np.ndarray, i: int, per_span: float) -> bool:
+    """Bring strip k into the basis (long-step ratio test). False: no cubic satisfies it and the four."""
     if k < 0:
         r0, r1, r2, r3 = lp[EDGES - 1 - k, 0], lp[EDGES - 1 - k, 1], 0.0, 0.0
         centre, width = lp[EDGES - 1 - k, 2], lp[EDGES - 1 - k, 3]
@@ -172,7 +174,7 @@ def exchange(lp, k, excess, y, half, i, per_span):
 
 
 @kernel(fastmath=True)
-def aim(lp, t, dv, dm):
+def aim(lp: np.ndarray, t: float, dv: float, dm: float) -> None:
     """Turn to the objective dv * value + dm * slope (per span) at the time t (in spans)."""
     c0, c1, c2, c3 = dv, dv * t + dm, t * (dv * t + 2.0 * dm), t * t * (dv * t + 3.0 * dm)
     for a in range(4):
@@ -182,7 +184,7 @@ def aim(lp, t, dv, dm):
 
 
 @kernel(fastmath=True)
-def solve(lp, count, y, half, i, j, per_span):
+def solve(lp: np.ndarray, count: int, y: np.ndarray, half: np.ndarray, i: int, j: int, per_span: float) -> int:
     """Pivot until all frames to j hold. Returns 0, or a frame that no cubic from the start polygon can reach."""
     for _ in range(PIVOTS):
         place(lp)
@@ -195,7 +197,17 @@ def solve(lp, count, y, half, i, j, per_span):
 
 
 @kernel(fastmath=True)
-def furthest(lp, polygon, count, y, half, i, known, last, guess):
+def furthest(
+    lp: np.ndarray,
+    polygon: np.ndarray,
+    count: int,
+    y: np.ndarray,
+    half: np.ndarray,
+    i: int,
+    known: int,
+    last: int,
+    guess: int,
+) -> int:
     """Last frame <= `last` that a cubic from the polygon at frame i can reach; `known` if that is no further."""
     step = 2
     j = max(i + 2, max(known + 1, min(guess, last)))

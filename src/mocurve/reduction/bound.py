@@ -1,8 +1,8 @@
 """A proven lower bound of the number of keys: a greedy partition into cubics that need not even join.
 
-A cubic that fits a run of frames fits every part of it, so taking the longest run each time needs the fewest pieces. Whether
-a cubic fits is decided by Remez' exchange: five frames whose levelled error exceeds their half-widths prove that none does
-(de la Vallée Poussin).
+A cubic that fits a run of frames fits every part of it, so taking the longest run each time needs the fewest pieces.
+Whether a cubic fits is decided by Remez' exchange: five frames whose levelled error exceeds their half-widths prove that
+none does (de la Vallée Poussin).
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ EXCHANGES = 60  # more for one frame are rounding, and the frame is let pass
 
 
 @kernel(fastmath=True)
-def level(at, y, half, base, newton):
-    """Cubic with equal errors of alternating sign on five frames, in Newton's form. Returns the first error, in half-widths."""
+def level(at: np.ndarray, y: np.ndarray, half: np.ndarray, base: float, newton: np.ndarray) -> float:
+    """Cubic with equal errors, signs alternating, on five frames, in Newton's form. Returns the first, in half-widths."""
     total = weight = 0.0
     for k in range(5):
         w = 1.0
@@ -38,13 +38,13 @@ def level(at, y, half, base, newton):
 
 
 @kernel(fastmath=True)
-def newton_error(f, at, y, base, newton):
+def newton_error(f: int, at: np.ndarray, y: np.ndarray, base: float, newton: np.ndarray) -> float:
     """y - cubic at frame f."""
     return y[f] - base - newton[0] - (f - at[0]) * (newton[1] + (f - at[1]) * (newton[2] + (f - at[2]) * newton[3]))
 
 
 @kernel
-def exchange(at, f, sign, first_sign):
+def exchange(at: np.ndarray, f: int, sign: float, first_sign: float) -> bool:
     """Put frame f, where the error has `sign`, among the five, signs still alternating. False if it is one of them."""
     if f < at[0]:
         if sign != first_sign:
@@ -66,7 +66,7 @@ def exchange(at, f, sign, first_sign):
 
 
 @kernel(fastmath=True)
-def piece_end(y, half, i, last):
+def piece_end(y: np.ndarray, half: np.ndarray, i: int, last: int) -> int:
     """Last frame <= `last` up to which one cubic fits from frame i."""
     if i + 4 > last:
         return last
@@ -99,7 +99,7 @@ def piece_end(y, half, i, last):
 
 
 @kernel
-def constant_fits(y, half):
+def constant_fits(y: np.ndarray, half: np.ndarray) -> bool:
     """Is there a value within half of y at every frame?"""
     low, high = -np.inf, np.inf
     for f in range(len(y)):
@@ -108,7 +108,7 @@ def constant_fits(y, half):
 
 
 @kernel
-def pieces(middle, half):
+def pieces(middle: np.ndarray, half: np.ndarray) -> int:
     """Fewest runs of frames, neighbours sharing a frame, each of which has a fitting cubic for every member."""
     i, count, last = 0, 0, middle.shape[1] - 1
     while i < last:
@@ -121,7 +121,7 @@ def pieces(middle, half):
 
 
 @kernel
-def bound(middle, half):
+def bound(middle: np.ndarray, half: np.ndarray) -> int:
     """The bound for C-order float64 arrays."""
     constant = True
     for m in range(middle.shape[0]):
@@ -130,5 +130,5 @@ def bound(middle, half):
 
 
 def lower_bound(middle: np.ndarray, half: np.ndarray) -> int:
-    """Fewest keys, of one member, of any piecewise cubic with shared keys on frames and |curve - middle| <= half (M, F)."""
+    """Fewest keys, of one member, of any piecewise cubic with |curve - middle| <= half (M, F) and keys on frames."""
     return int(bound(np.ascontiguousarray(middle), np.ascontiguousarray(half)))

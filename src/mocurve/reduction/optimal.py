@@ -18,7 +18,7 @@ SETTINGS = {"fast": (2, 15, 6), "default": (3, 15, 5), "good": (5, 10, 8), "best
 
 
 @kernel
-def safe_half(middle, half):
+def safe_half(middle: np.ndarray, half: np.ndarray) -> np.ndarray:
     """Half-widths less a reserve for rounding, of the width and of the largest value; at least a half of the width."""
     largest = 0.0
     for y in middle.flat:
@@ -31,7 +31,7 @@ def safe_half(middle, half):
 
 
 @kernel
-def segment_holds(y, half, a, b, va, ma, vb, mb):
+def segment_holds(y: np.ndarray, half: np.ndarray, a: int, b: int, va: float, ma: float, vb: float, mb: float) -> bool:
     """Is a Hermite segment within half of y at all its frames, both ends included?"""
     h = b - a
     for f in range(a, b + 1):
@@ -44,8 +44,10 @@ def segment_holds(y, half, a, b, va, ma, vb, mb):
 
 
 @kernel
-def mend(middle, half, frames, values, slopes):
-    """Keys on every frame of a segment that fails for any member (rounding): exact there. Returns also how many failed."""
+def mend(
+    middle: np.ndarray, half: np.ndarray, frames: np.ndarray, values: np.ndarray, slopes: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
+    """Keys on every frame of a segment that fails for any member (rounding): exact there. Last: how many failed."""
     members, n = middle.shape
     on = np.zeros(n, np.bool_)
     on[frames] = True
@@ -74,8 +76,10 @@ def mend(middle, half, frames, values, slopes):
 
 
 @kernel
-def fit(middle, half, width, stride, corners):
-    """Keys within half (M, F) of middle (M, F), C-order: frames (K,), values and slopes per frame (M, K), segments mended."""
+def fit(
+    middle: np.ndarray, half: np.ndarray, width: int, stride: int, corners: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
+    """Keys within half of middle (M, F), C-order: frames (K,), values, slopes per frame (M, K), segments mended."""
     members, n = middle.shape
     if n < 2:
         return np.zeros(n, np.int64), middle.copy(), np.zeros((members, n)), 0
