@@ -65,7 +65,7 @@ def test_the_example_that_ships_is_described(jump: Path) -> None:
 def test_it_is_json(jump: Path) -> None:
     told = json.loads(json.dumps(info.inspect(read(jump), jump).to_json()))
     assert told["path"] == str(jump)
-    assert told["unit"] == {"metres": info.CMU_METRES, "name": "CMU unit (5.6444 cm)", "said": False}
+    assert told["unit"] == {"metres": info.CMU_METRES, "name": "CMU unit of 5.6444 cm", "said": False}
     assert set(told) == set(info.Info.__dataclass_fields__)
 
 
@@ -87,7 +87,7 @@ def test_a_skeleton_without_anything_is_described_too() -> None:
         (67.0, "inch"),
         (72.0, "inch"),
         (1.1, "m"),
-        (26.1, "CMU unit (5.6444 cm)"),
+        (26.1, "CMU unit of 5.6444 cm"),
     ],
 )
 def test_the_unit_is_guessed_from_the_height(height: float, name: str) -> None:
@@ -96,7 +96,7 @@ def test_the_unit_is_guessed_from_the_height(height: float, name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("metres", "name"), [(0.01, "cm"), (0.0254, "inch"), (0.3048, "0.3048 m"), (0.056444, "CMU unit (5.6444 cm)")]
+    ("metres", "name"), [(0.01, "cm"), (0.0254, "inch"), (0.3048, "0.3048 m"), (0.056444, "CMU unit of 5.6444 cm")]
 )
 def test_a_unit_that_was_said_is_no_guess(metres: float, name: str) -> None:
     motion = body(ROTATIONS, (), unit=metres)
@@ -116,8 +116,8 @@ def test_without_a_height_no_unit_is_guessed() -> None:
 @pytest.mark.parametrize(
     ("clip", "name"),
     [
-        ("cmu/cmu_12_01_walk", "CMU unit (5.6444 cm)"),
-        ("cmu/cmu_02_03_run", "CMU unit (5.6444 cm)"),
+        ("cmu/cmu_12_01_walk", "CMU unit of 5.6444 cm"),
+        ("cmu/cmu_02_03_run", "CMU unit of 5.6444 cm"),
         ("cmu/cmu_walk_daz19", "cm"),
         ("other/rokoko_dance_fingers", "cm"),
         ("other/spec_example_wisc", "inch"),

@@ -16,7 +16,7 @@ from .motion import Motion, unroll
 
 PERSON_METRES = 1.7
 CMU_METRES = 0.0254 / 0.45  # the length unit of the CMU motion capture database, mocap.cs.cmu.edu/faqs.php
-UNITS = {"mm": 0.001, "cm": 0.01, "inch": 0.0254, "m": 1.0, "CMU unit (5.6444 cm)": CMU_METRES}
+UNITS = {"mm": 0.001, "cm": 0.01, "inch": 0.0254, "m": 1.0, "CMU unit of 5.6444 cm": CMU_METRES}
 BIG_JUMP_DEGREES = 90.0
 
 
