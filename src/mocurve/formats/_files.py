@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import secrets
 import stat
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -35,7 +34,7 @@ def replacing(path: Path) -> Iterator[BinaryIO]:
     try:
         if os.path.isdir(target):
             raise FileError("is a directory", path)
-        name = os.path.join(os.path.dirname(target), f".mocurve-{secrets.token_hex(8)}")
+        name = os.path.join(os.path.dirname(target), f".mocurve-{os.urandom(8).hex()}")
         file = open(name, "xb")  # noqa: SIM115  # closed below: errors of the body are not errors of opening
     except (OSError, ValueError) as error:
         raise error if isinstance(error, FileError) else FileError(f"cannot write: {_reason(error)}", path) from error

@@ -38,7 +38,7 @@ _NEAR = 0.01  # frames a second
 def snapped(digits: str) -> float:
     """Seconds for a frame time as a file has it: "0.0083333" is 1/120, since that is what these digits are of.
 
-    A usual rate (also the NTSC ones, k = 1001) that lies within the digits given, and at most half a percent off, is taken;
+    A usual rate (also the NTSC ones, k = 1001) that lies within the digits given, at most half a percent off, is taken;
     any other whole rate only where the digits all but say it. Else they mean themselves.
     """
     given = float(digits)

@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-import struct
-import zipfile
-import zlib
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,6 +12,9 @@ from ..errors import FileError, MocurveError
 from ..motion import Clip, Motion
 from ..skeleton import Skeleton
 from ._files import Path, opened, replacing
+
+if TYPE_CHECKING:
+    from zipfile import ZipFile
 
 VERSION = 1
 _KINDS = {  # member: allowed NumPy kinds, dimensions
@@ -31,23 +31,15 @@ _KINDS = {  # member: allowed NumPy kinds, dimensions
 }
 _BOMB, _RATIO = 1 << 28, 100  # more bytes than this from a hundredth of them in the file is no motion
 _MAX_HEADER = 10_000
-_UNREADABLE = (
-    zipfile.BadZipFile,
-    zlib.error,
-    struct.error,
-    ValueError,
-    TypeError,
-    OSError,
-    EOFError,
-    RuntimeError,
-    NotImplementedError,
-    SyntaxError,
-    OverflowError,
-)
 
 
 def read(path: Path) -> Motion:
     """The motion in an NPZ file that `write` made; nothing in it is ever executed. FileError for all other files."""
+    import zipfile  # loaded only where there is an NPZ file to read
+    from struct import error as struct_error
+    from zlib import error as zlib_error
+
+    unreadable = (zipfile.BadZipFile, struct_error, zlib_error, ValueError, TypeError, OSError, EOFError, SyntaxError)
     with opened(path) as file:
         size = os.fstat(file.fileno()).st_size
         try:
@@ -59,7 +51,7 @@ def read(path: Path) -> Motion:
             raise
         except MocurveError as error:
             raise FileError(f"its arrays make no motion: {error}", path) from error
-        except _UNREADABLE as error:
+        except (*unreadable, RuntimeError, OverflowError) as error:
             raise FileError(f"not an NPZ file of a motion: {error}", path) from error
 
 
@@ -90,14 +82,14 @@ def _strings(texts: Any, path: Path) -> np.ndarray:
     return np.array(texts, np.str_).reshape(-1)
 
 
-def _check_sizes(archive: zipfile.ZipFile, size: int, path: Path) -> None:
+def _check_sizes(archive: ZipFile, size: int, path: Path) -> None:
     """FileError where the members say that they unpack to far more than a file of this size holds."""
     unpacked = sum(member.file_size for member in archive.infolist())
     if unpacked > _BOMB and unpacked > _RATIO * size:
         raise FileError(f"unpacks to {unpacked} bytes from {size}: a motion does not", path)
 
 
-def _member(archive: zipfile.ZipFile, name: str, path: Path) -> np.ndarray:
+def _member(archive: ZipFile, name: str, path: Path) -> np.ndarray:
     """One array, after its own account of its size has been checked against the zip's."""
     try:
         info = archive.getinfo(f"{name}.npy")
