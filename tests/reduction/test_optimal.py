@@ -14,7 +14,8 @@ from scipy.optimize import linprog
 
 from mocurve import hermite
 from mocurve.reduction.bound import lower_bound
-from mocurve.reduction.optimal import SETTINGS, fit, solve
+from mocurve.reduction.keys import Keys
+from mocurve.reduction.optimal import SETTINGS, mended, search, solve
 
 KINDS = ("noise", "walk", "constant", "line", "step", "spikes", "rounded", "offset", "smooth")
 BANDS = ("even", "wild", "needles", "waves")
@@ -92,7 +93,19 @@ def test_no_segment_needs_mending():
     for kind in KINDS:
         for width in BANDS:
             middle, half = signal(kind, 300, rng)[None], band(width, 300, 0.3, rng)[None]
-            assert fit(middle, np.maximum(half, 1e-8 if kind == "offset" else 0.0), *SETTINGS["default"])[3] == 0
+            half = np.maximum(half, 1e-8 if kind == "offset" else 0.0)
+            assert not search(middle, half, *SETTINGS["default"])[3].any()
+
+
+def test_a_segment_that_failed_gets_exact_keys_on_its_frames():
+    middle = np.random.default_rng(6).normal(size=(2, 9))
+    half = np.full_like(middle, 0.5)
+    held = middle[:, [0, 3, 6, 8]]
+    held[1, 1] += 1.0  # outside its band
+    broken = Keys(np.array([0, 3, 6, 8]), held, np.zeros((2, 4)))
+    keys = mended(middle, half, broken, np.array([False, True, False]))
+    np.testing.assert_array_equal(keys.frames, [0, 3, 4, 5, 6, 8])
+    np.testing.assert_array_equal(keys.values, middle[:, keys.frames])
 
 
 @pytest.mark.parametrize("quality", sorted(SETTINGS))

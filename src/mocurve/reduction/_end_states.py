@@ -28,8 +28,18 @@ def support(
         return False
     x0, x1, x2, x3 = lp[CUBIC, 0], lp[CUBIC, 1], lp[CUBIC, 2], lp[CUBIC, 3]
     s[0, 0], s[0, 1], s[0, 2], s[0, 3] = x0 + x1 + x2 + x3, x1 + 2.0 * x2 + 3.0 * x3, dv, dm
-    s[1:] = lp[:EDGES]
+    for r in range(EDGES):
+        for a in range(4):
+            s[1 + r, a] = lp[r, a]
     return True
+
+
+@kernel
+def take_basis(lp: np.ndarray, s: np.ndarray) -> None:
+    """Go on from the basis of a support."""
+    for r in range(EDGES):
+        for a in range(4):
+            lp[r, a] = s[1 + r, a]
 
 
 @kernel(fastmath=True)
@@ -53,7 +63,7 @@ def first_supports(
     dx, dy = s[2, 0, 0] - s[0, 0, 0], s[2, 0, 1] - s[0, 0, 1]
     if not support(lp, count, y, half, i, j, dy, -dx, s[1]):
         return False
-    lp[:EDGES] = s[0, 1:]
+    take_basis(lp, s[0])
     order[0], order[1], order[2], order[3] = 0, 1, 2, 3
     return support(lp, count, y, half, i, j, -dy, dx, s[3])
 
@@ -103,7 +113,7 @@ def arrive(
         if at < 0:
             break
         p, q = s[order[at], 0], s[order[at + 1 if at + 1 < n else 0], 0]
-        lp[:EDGES] = s[order[at], 1:]
+        take_basis(lp, s[order[at]])
         if not support(lp, count, y, half, i, j, q[1] - p[1], p[0] - q[0], s[n]):
             break
         for k in range(n, at + 1, -1):

@@ -21,6 +21,23 @@ def area(polygon: np.ndarray, size: int) -> float:
 
 
 @kernel(fastmath=True)
+def centre(polygon: np.ndarray, size: int) -> tuple[float, float]:
+    """Mean of the corners: inside, away from all edges."""
+    x = y = 0.0
+    for k in range(size):
+        x += polygon[k, 0]
+        y += polygon[k, 1]
+    return x / size, y / size
+
+
+@kernel
+def copy(polygon: np.ndarray, size: int, out: np.ndarray) -> None:
+    """Copy the corners."""
+    for k in range(size):
+        out[k, 0], out[k, 1] = polygon[k, 0], polygon[k, 1]
+
+
+@kernel(fastmath=True)
 def drop_corner(polygon: np.ndarray, size: int) -> int:
     """Leave out the corner that costs least area. Returns the corners left."""
     least, at = np.inf, 0

@@ -13,8 +13,11 @@ import numpy as np
 
 from .._jit import kernel
 from ._end_states import arrive, new_supports
-from ._polygons import CORNERS, area, clip
+from ._polygons import CORNERS, area, centre, clip, copy
 from ._strips import furthest, new_program
+
+# Columns of a node: its frame, the node before it, the corners of each member's polygon.
+FRAME, PARENT, COUNTS = 0, 1, 2
 
 # Slopes that a key may have: from the difference to one neighbour to that to the other, and this much more.
 # Without a limit the slopes of noise wander off: the frames hold, but the curve between them swings.
@@ -36,8 +39,8 @@ def slope_range(y: np.ndarray, half: np.ndarray, j: int) -> tuple[float, float]:
 @kernel
 def free_states(middle: np.ndarray, half: np.ndarray, j: int, counts: np.ndarray, corners: np.ndarray) -> None:
     """The rectangle of all states that a key at frame j may have, counted from middle[:, j]."""
-    counts[:] = 4
     for m in range(middle.shape[0]):
+        counts[m] = 4
         low, high = slope_range(middle[m], half[m], j)
         for c in range(4):
             corners[m, c, 0] = half[m, j] if c == 1 or c == 2 else -half[m, j]
@@ -100,37 +103,40 @@ def group_arrive(
 @kernel
 def level_reach(
     lp: np.ndarray,
-    frames: np.ndarray,
-    counts: np.ndarray,
+    nodes: np.ndarray,
     corners: np.ndarray,
+    s0: int,
+    s1: int,
     middle: np.ndarray,
     half: np.ndarray,
     guess: int,
 ) -> int:
-    """Last frame that one more segment reaches from any node of a level."""
-    far = frames[0] + 1
-    for s in range(len(frames)):
-        known = max(far, frames[s] + 1)
-        tried = known + 1 if s > 0 else known + guess
-        far = max(far, group_reach(lp, counts[s], corners[s], middle, half, frames[s], known, tried))
+    """Last frame that one more segment reaches from any node of the level s0 .. s1 - 1."""
+    far = nodes[s0, FRAME] + 1
+    for s in range(s0, s1):
+        i = nodes[s, FRAME]
+        known = max(far, i + 1)
+        tried = known + 1 if s > s0 else known + guess
+        far = max(far, group_reach(lp, nodes[s, COUNTS:], corners[s], middle, half, i, known, tried))
         if far == middle.shape[1] - 1:
             break
     return far
 
 
 @kernel
-def candidates(frames: np.ndarray, far: int, width: int, stride: int, out: np.ndarray) -> int:
+def candidates(nodes: np.ndarray, s0: int, s1: int, far: int, width: int, stride: int, out: np.ndarray) -> int:
     """Frames for the next level, furthest first: in steps of `stride` % of the segment, and those one frame ahead.
 
     More than `width`, as some may turn out to have no states. Returns how many, at most 4 width.
     """
-    step = max(1, (far - frames[0]) * stride // 100)
+    first = nodes[s0, FRAME]
+    step = max(1, (far - first) * stride // 100)
     n = 0
-    for j in range(far, max(far - 3 * width * step, frames[0]), -step):
+    for j in range(far, max(far - 3 * width * step, first), -step):
         out[n] = j
         n += 1
-    for frame in frames:
-        j, at = frame + 1, n
+    for s in range(s0, s1):
+        j, at = nodes[s, FRAME] + 1, n
         while at > 0 and out[at - 1] < j:
             at -= 1
         if at == 0 or out[at - 1] != j:
@@ -142,95 +148,146 @@ def candidates(frames: np.ndarray, far: int, width: int, stride: int, out: np.nd
 
 
 @kernel
-def larger(old: np.ndarray, size: int) -> np.ndarray:
-    """The array with room for `size` rows."""
-    new = np.empty((size, *old.shape[1:]), old.dtype)
-    new[: len(old)] = old
-    return new
+def twice(nodes: np.ndarray, corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The nodes with twice the room."""
+    new_nodes = np.empty((2 * nodes.shape[0], nodes.shape[1]), np.int64)
+    new_corners = np.empty((2 * nodes.shape[0], *corners.shape[1:]))
+    for s in range(nodes.shape[0]):
+        for c in range(nodes.shape[1]):
+            new_nodes[s, c] = nodes[s, c]
+        for m in range(corners.shape[1]):
+            copy(corners[s, m], CORNERS, new_corners[s, m])
+    return new_nodes, new_corners
+
+
+@kernel
+def best_source(
+    room: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray],
+    nodes: np.ndarray,
+    corners: np.ndarray,
+    s0: int,
+    s1: int,
+    end: int,
+    middle: np.ndarray,
+    half: np.ndarray,
+    j: int,
+    most: int,
+) -> bool:
+    """Put the polygons at frame j, from the node of the level s0 .. s1 - 1 that gives them most area, at the place `end`.
+
+    A trial lies one place further and moves here if it is the best.
+    """
+    nodes[end, FRAME] = j
+    best = -np.inf
+    for s in range(s0, s1):
+        i = nodes[s, FRAME]
+        if i + 1 == j:  # a one-frame segment can end in any state
+            nodes[end, PARENT] = s
+            free_states(middle, half, j, nodes[end, COUNTS:], corners[end])
+            return True
+        if i < j:
+            covered = group_arrive(
+                room,
+                nodes[s, COUNTS:],
+                corners[s],
+                middle,
+                half,
+                i,
+                j,
+                most,
+                best,
+                nodes[end + 1, COUNTS:],
+                corners[end + 1],
+            )
+            if covered > best:
+                best, nodes[end, PARENT] = covered, s
+                for m in range(middle.shape[0]):
+                    nodes[end, COUNTS + m] = nodes[end + 1, COUNTS + m]
+                    copy(corners[end + 1, m], nodes[end, COUNTS + m], corners[end, m])
+    return best > -np.inf
 
 
 @kernel
 def forward(
     middle: np.ndarray, half: np.ndarray, width: int, stride: int, most: int
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Key frames of the winning chain, and its polygons: frames (K,), counts (K, M), corners (K, M, CORNERS, 2)."""
+) -> tuple[np.ndarray, np.ndarray, int]:
+    """Search to the last frame. Returns all nodes (N, 2 + M), their polygons (N, M, CORNERS, 2) and the last node."""
     members, n = middle.shape
-    frames, parents = np.empty(64, np.int64), np.empty(64, np.int64)
-    counts, corners = np.empty((64, members), np.int64), np.empty((64, members, CORNERS, 2))
+    nodes, corners = np.empty((64, COUNTS + members), np.int64), np.empty((64, members, CORNERS, 2))
     supports, order = new_supports(CORNERS)
     room = new_program(CORNERS), supports, order, np.empty((2 * CORNERS, 2))
     ahead = np.empty(4 * width, np.int64)
-    frames[0], parents[0] = 0, -1
-    free_states(middle, half, 0, counts[0], corners[0])
+    nodes[0, FRAME], nodes[0, PARENT] = 0, -1
+    free_states(middle, half, 0, nodes[0, COUNTS:], corners[0])
     s0, s1, guess = 0, 1, 8
-    while frames[s0] < n - 1:
-        far = level_reach(room[0], frames[s0:s1], counts[s0:s1], corners[s0:s1], middle, half, guess)
-        guess, end = far - frames[s0], s1
-        if end + width >= len(frames):
-            size = 2 * len(frames)
-            frames, parents = larger(frames, size), larger(parents, size)
-            counts, corners = larger(counts, size), larger(corners, size)
-        for j in ahead[: candidates(frames[s0:s1], far, width, stride, ahead)]:
-            best = -np.inf
-            for s in range(s0, s1):
-                i = frames[s]
-                if i + 1 == j:  # a one-frame segment can end in any state
-                    best, parents[end] = np.inf, s
-                    free_states(middle, half, j, counts[end], corners[end])
-                elif i < j and best < np.inf:  # tried one place further, moved here if it is the best
-                    trial = counts[end + 1], corners[end + 1]
-                    covered = group_arrive(room, counts[s], corners[s], middle, half, i, j, most, best, *trial)
-                    if covered > best:
-                        best, parents[end] = covered, s
-                        counts[end], corners[end] = trial
-            if best > -np.inf:
-                frames[end] = j
+    while nodes[s0, FRAME] < n - 1:
+        far = level_reach(room[0], nodes, corners, s0, s1, middle, half, guess)
+        guess, end = far - nodes[s0, FRAME], s1
+        if end + width >= len(nodes):
+            nodes, corners = twice(nodes, corners)
+        for c in range(candidates(nodes, s0, s1, far, width, stride, ahead)):
+            if best_source(room, nodes, corners, s0, s1, end, middle, half, ahead[c], most):
                 end += 1
-                if j == n - 1 or end - s1 == width:
+                if end - s1 == width or ahead[c] == n - 1:
                     break
         s0, s1 = s1, end
-    return chain(s0, frames, parents, counts, corners)
-
-
-@kernel
-def chain(
-    node: int, frames: np.ndarray, parents: np.ndarray, counts: np.ndarray, corners: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The nodes from the first key to `node`."""
-    length, at = 0, node
-    while at >= 0:
-        length += 1
-        at = parents[at]
-    path = np.empty(length, np.int64)
-    for k in range(length - 1, -1, -1):
-        path[k] = node
-        node = parents[node]
-    return frames[path], counts[path], corners[path]
+    return nodes, corners, s0
 
 
 @kernel(fastmath=True)
+def choose(
+    polygon: np.ndarray,
+    size: int,
+    y: np.ndarray,
+    half: np.ndarray,
+    i: int,
+    h: int,
+    end_value: float,
+    end_slope: float,
+    spare: np.ndarray,
+) -> tuple[float, float]:
+    """A state of a polygon at frame i from which a segment of h frames to a given end state holds: the middle of them."""
+    v, m = centre(polygon, size)
+    for g in range(1, h):
+        s = g / h
+        rise = (3.0 - 2.0 * s) * s * s
+        base = rise * (end_value - y[i]) - (1.0 - s) * s * s * h * end_slope + y[i] - y[i + g]
+        size = clip(polygon, size, base, 1.0 - rise, s * (1.0 - s) * (1.0 - s) * h, half[i + g], spare)
+        if size == 0:  # rounding; the check that follows mends it
+            break
+        v, m = centre(polygon, size)
+    return y[i] + v, m
+
+
+@kernel
 def backward(
-    y: np.ndarray, half: np.ndarray, frames: np.ndarray, counts: np.ndarray, corners: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """One state a key, last to first: the mean of its polygon, clipped by the frames of the segment that follows.
+    middle: np.ndarray, half: np.ndarray, nodes: np.ndarray, corners: np.ndarray, last: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """One state a key from the last node to the first: frames (K,), values (M, K), slopes (M, K).
 
     Every state of a polygon has a segment before it, and some have one after it: convexity leaves room in every clip.
     """
-    keys = len(frames)
-    values, slopes = np.empty(keys), np.empty(keys)
-    polygon, spare = np.empty((CORNERS, 2)), np.empty((2 * CORNERS, 2))
-    for key in range(keys - 1, -1, -1):
-        size, i = counts[key], frames[key]
-        polygon[:size] = corners[key, :size]
-        v, m = polygon[:size, 0].mean(), polygon[:size, 1].mean()
-        h = frames[key + 1] - i if key + 1 < keys else 0
-        for g in range(1, h):
-            s = g / h
-            rise = (3.0 - 2.0 * s) * s * s
-            base = rise * (values[key + 1] - y[i]) - (1.0 - s) * s * s * h * slopes[key + 1] + y[i] - y[i + g]
-            size = clip(polygon, size, base, 1.0 - rise, s * (1.0 - s) * (1.0 - s) * h, half[i + g], spare)
-            if size == 0:  # rounding; the check that follows mends it
-                break
-            v, m = polygon[:size, 0].mean(), polygon[:size, 1].mean()
-        values[key], slopes[key] = y[i] + v, m
-    return values, slopes
+    keys, node = 0, last
+    while node >= 0:
+        keys, node = keys + 1, nodes[node, PARENT]
+    members = middle.shape[0]
+    frames, values, slopes = np.empty(keys, np.int64), np.empty((members, keys)), np.empty((members, keys))
+    spare, node = np.empty((2 * CORNERS, 2)), last
+    for k in range(keys - 1, -1, -1):
+        frames[k] = nodes[node, FRAME]
+        after = min(k + 1, keys - 1)
+        h = frames[after] - frames[k]
+        for m in range(members):
+            values[m, k], slopes[m, k] = choose(
+                corners[node, m],
+                nodes[node, COUNTS + m],
+                middle[m],
+                half[m],
+                frames[k],
+                h,
+                values[m, after],
+                slopes[m, after],
+                spare,
+            )
+        node = nodes[node, PARENT]
+    return frames, values, slopes

@@ -14,15 +14,16 @@ from .keys import Keys
 MARGIN = 1e-8  # the search keeps this part of every half-width in reserve for rounding
 
 # Frames kept per level, distance between them in % of the segment, corners of a polygon of states.
-SETTINGS = {"fast": (2, 15, 6), "default": (3, 15, 5), "good": (5, 10, 8), "best": (8, 5, 8)}
+SETTINGS = {"fast": (2, 20, 5), "default": (3, 15, 5), "good": (4, 10, 6), "best": (8, 5, 8)}
 
 
 @kernel
 def safe_half(middle: np.ndarray, half: np.ndarray) -> np.ndarray:
     """Half-widths less a reserve for rounding, of the width and of the largest value; at least a half of the width."""
     largest = 0.0
-    for y in middle.flat:
-        largest = max(largest, abs(y))
+    for m in range(middle.shape[0]):
+        for f in range(middle.shape[1]):
+            largest = max(largest, abs(middle[m, f]))
     out = np.empty_like(half)
     for m in range(half.shape[0]):
         for f in range(half.shape[1]):
@@ -44,51 +45,35 @@ def segment_holds(y: np.ndarray, half: np.ndarray, a: int, b: int, va: float, ma
 
 
 @kernel
-def mend(
-    middle: np.ndarray, half: np.ndarray, frames: np.ndarray, values: np.ndarray, slopes: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
-    """Keys on every frame of a segment that fails for any member (rounding): exact there. Last: how many failed."""
-    members, n = middle.shape
-    on = np.zeros(n, np.bool_)
-    on[frames] = True
-    all_values, all_slopes = np.empty((members, n)), np.empty((members, n))
-    all_values[:, frames], all_slopes[:, frames] = values, slopes
-    failed = 0
+def search(
+    middle: np.ndarray, half: np.ndarray, width: int, stride: int, most: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Keys for at least two frames: frames (K,), values and slopes (M, K), and whether each segment fails (K - 1,)."""
+    safe = safe_half(middle, half)
+    nodes, corners, last = forward(middle, safe, width, stride, most)
+    frames, values, slopes = backward(middle, half, nodes, corners, last)
+    failed = np.zeros(len(frames) - 1, np.bool_)
     for q in range(len(frames) - 1):
         a, b = frames[q], frames[q + 1]
-        holds = True
-        for m in range(members):
-            holds &= segment_holds(
-                middle[m], half[m], a, b, values[m, q], slopes[m, q], values[m, q + 1], slopes[m, q + 1]
-            )
-        if holds:
-            continue
-        failed += 1
-        on[a : b + 1] = True
-        for f in range(a, b + 1):
-            c, d = max(f - 1, 0), min(f + 1, n - 1)
-            for m in range(members):
-                if a < f < b or not abs(all_values[m, f] - middle[m, f]) <= half[m, f]:
-                    all_values[m, f] = middle[m, f]
-                    all_slopes[m, f] = (middle[m, d] - middle[m, c]) / (d - c)
+        for m in range(middle.shape[0]):
+            v, s = values[m], slopes[m]
+            if not segment_holds(middle[m], half[m], a, b, v[q], s[q], v[q + 1], s[q + 1]):
+                failed[q] = True
+    return frames, values, slopes, failed
+
+
+def mended(middle: np.ndarray, half: np.ndarray, keys: Keys, failed: np.ndarray) -> Keys:
+    """The keys, and keys on every frame of the segments that failed for any member (rounding): exact there."""
+    on = np.zeros(middle.shape[1], np.bool_)
+    for q in np.nonzero(failed)[0]:
+        on[keys.frames[q] : keys.frames[q + 1] + 1] = True
+    values, slopes = middle.copy(), np.gradient(middle, axis=1)
+    kept = np.abs(keys.values - middle[:, keys.frames]) <= half[:, keys.frames]
+    values[:, keys.frames] = np.where(kept, keys.values, values[:, keys.frames])
+    slopes[:, keys.frames] = np.where(kept, keys.slopes, slopes[:, keys.frames])
+    on[keys.frames] = True
     frames = np.nonzero(on)[0]
-    return frames, all_values[:, frames], all_slopes[:, frames], failed
-
-
-@kernel
-def fit(
-    middle: np.ndarray, half: np.ndarray, width: int, stride: int, corners: int
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
-    """Keys within half of middle (M, F), C-order: frames (K,), values, slopes per frame (M, K), segments mended."""
-    members, n = middle.shape
-    if n < 2:
-        return np.zeros(n, np.int64), middle.copy(), np.zeros((members, n)), 0
-    safe = safe_half(middle, half)
-    frames, counts, polygons = forward(middle, safe, width, stride, corners)
-    values, slopes = np.empty((members, len(frames))), np.empty((members, len(frames)))
-    for m in range(members):
-        values[m], slopes[m] = backward(middle[m], half[m], frames, counts[:, m], polygons[:, m])
-    return mend(middle, half, frames, values, slopes)
+    return Keys(frames, values[:, frames], slopes[:, frames])
 
 
 def solve(middle: np.ndarray, half: np.ndarray, quality: str) -> Keys:
@@ -96,5 +81,9 @@ def solve(middle: np.ndarray, half: np.ndarray, quality: str) -> Keys:
 
     middle, half: (M, F), the channels' unit, finite, half > 0. quality: a name of SETTINGS.
     """
-    frames, values, slopes, _ = fit(np.ascontiguousarray(middle), np.ascontiguousarray(half), *SETTINGS[quality])
-    return Keys(frames, values, slopes)
+    middle, half = np.ascontiguousarray(middle), np.ascontiguousarray(half)
+    if middle.shape[1] < 2:
+        return Keys(np.arange(middle.shape[1]), middle.copy(), np.zeros_like(middle))
+    frames, values, slopes, failed = search(middle, half, *SETTINGS[quality])
+    keys = Keys(frames, values, slopes)
+    return mended(middle, half, keys, failed) if failed.any() else keys
