@@ -52,9 +52,9 @@ def test_the_readme_python_runs(beside_the_jump: Path) -> None:
 
 
 def test_the_readme_commands_run(beside_the_jump: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    given = commands(README)
-    assert ["example"] in given
-    for words in given:
+    given = [tuple(words) for words in commands(README)]
+    assert ("example",) in given
+    for words in dict.fromkeys(given):  # the set-up command and the list share some
         assert cli.main(words) == 0, words
     assert (beside_the_jump / "jump.html").stat().st_size > 0
 
