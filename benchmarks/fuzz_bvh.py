@@ -77,7 +77,7 @@ BYTES = [piece.encode() for piece in PIECES] + [b"\xff", b"\xfe\xff", b"\xef\xbb
 
 
 def mutate(data: bytes, rng: random.Random) -> bytes:
-    """The file with one to six things changed: pieces put in, taken out, moved, doubled; bytes, words, line ends changed."""
+    """The file with one to six things changed: pieces put in, taken out, moved, doubled; bytes, words, line ends."""
     for _ in range(rng.choice((1, 1, 1, 2, 3, 6))):
         at = rng.randrange(len(data) + 1)
         to = min(at + rng.choice((1, 1, 2, 5, 20, 200)), len(data))

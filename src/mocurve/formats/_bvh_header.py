@@ -12,7 +12,8 @@ from ._files import Path
 MAX_JOINTS = 20_000  # far more than any body; keeps a hostile file from filling the memory with joints
 MAX_NAME = 1000  # characters
 MAX_WORD = 100_000
-NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?\Z")
+_OF_NUMBERS = frozenset("0123456789.eE+-")
+_INFINITY, _NAN = float("inf"), float("nan")
 _BLANK = " \t\r\n\f\v"
 _TOKEN = re.compile(rf"[{_BLANK}]*([{{}}]|[^{_BLANK}{{}}]+|\Z)")
 _NAME = re.compile(r"[^\r\n{}]*")
@@ -87,9 +88,10 @@ class Scanner:
 
     def number(self) -> float:
         word = self.word()
-        if not NUMBER.match(word) or abs(float(word)) == float("inf"):
+        value = number(word)
+        if not -_INFINITY < value < _INFINITY:
             self.fail(f"a number expected, {found(word)}{hint(word)}")
-        return float(word)
+        return value
 
 
 class _Hierarchy:
@@ -203,7 +205,7 @@ def _frame_time(scanner: Scanner, frames: int) -> str:
     digits = digits or scanner.word()
     if not colon:
         digits = digits.removeprefix(":") or scanner.word()
-    if not NUMBER.match(digits) or len(digits) > 400 or not 0 < float(digits) < float("inf"):
+    if len(digits) > 400 or not 0 < number(digits) < _INFINITY:
         scanner.fail(f"a frame time in seconds, above 0, expected, {found(digits)}{hint(digits)}")
     rest = scanner.text.find(scanner.newline, scanner.at)
     if rest < 0 and not scanner.whole:
@@ -239,6 +241,12 @@ def hint(word: str) -> str:
     """What may be meant by a word that is no number."""
     if "," in word:
         return " (decimal points, not commas, are read)"
-    if not NUMBER.match(word):
-        return ""
-    return " (too large)" if abs(float(word)) == float("inf") else ""
+    return " (too large)" if abs(number(word)) == _INFINITY else ""
+
+
+def number(word: str) -> float:
+    """The number that a word is, NaN for any other: inf, nan and 1_000 are numbers to Python, not in a file."""
+    try:
+        return float(word) if _OF_NUMBERS.issuperset(word) else _NAN
+    except ValueError:
+        return _NAN

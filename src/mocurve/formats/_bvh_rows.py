@@ -97,11 +97,13 @@ class Lines:
 
     def add(self, block: _numbers.Block) -> None:
         self.total += len(block.values)
-        counts = np.diff(block.before, prepend=0)
-        if len(counts):
-            counts[0] += self.numbers
-            self.numbers = 0
-        self.numbers += len(block.values) - (int(block.before[-1]) if len(block.before) else 0)
+        if len(block.before) == 0:
+            self.numbers += len(block.values)
+            return
+        counts = block.before.copy()
+        counts[1:] -= block.before[:-1]
+        counts[0] += self.numbers
+        self.numbers = len(block.values) - int(block.before[-1])
         filled = np.flatnonzero(counts)
         self._append(filled + self.line, counts[filled])
         self.line += len(counts)
@@ -114,8 +116,10 @@ class Lines:
     def _append(self, lines: np.ndarray, counts: np.ndarray) -> None:
         if len(lines) == 0:
             return
-        last = self.counts[-1] if self.counts else 0
-        changes = np.flatnonzero((np.diff(counts, prepend=last) != 0) | (np.diff(lines, prepend=self.last_line) != 1))
+        new = np.ones(len(lines), bool)
+        new[1:] = (counts[1:] != counts[:-1]) | (lines[1:] != lines[:-1] + 1)
+        new[0] = not self.counts or self.counts[-1] != counts[0] or self.last_line != lines[0] - 1
+        changes = np.flatnonzero(new)
         self.starts += lines[changes].tolist()
         self.counts += counts[changes].tolist()
         self.ordinals += (changes + self.seen).tolist()
@@ -211,7 +215,7 @@ def _chunks(read: Read, place: Place) -> Iterator[bytes]:
     rest = b""
     while data := read(CHUNK):
         data = rest + data
-        cut = max(data.rfind(blank) for blank in _BLANKS) + 1
+        cut = data.rfind(place.newline) + 1 or max(data.rfind(blank) for blank in _BLANKS) + 1
         if cut == 0 and len(data) > CHUNK:
             word = found(data[:100].decode("latin-1"))
             raise FileError(f"a number expected, {word}", place.path, place.line)
@@ -233,17 +237,14 @@ class _Where:
             block = parse()
         except _numbers.NotANumber as error:
             self._complain(chunk, error)
-        self.line, self.column = self._at(chunk, len(chunk))
+        begin = chunk.rfind(self.place.newline) + 1
+        self.line, self.column = self.line + len(block.before), len(chunk) - begin + (0 if begin else self.column)
         return block
 
-    def _at(self, chunk: bytes, at: int) -> tuple[int, int]:
-        newline = self.place.newline
-        begin = chunk.rfind(newline, 0, at)
-        return self.line + chunk.count(newline, 0, at), at - begin - 1 if begin >= 0 else self.column + at
-
     def _complain(self, chunk: bytes, error: _numbers.NotANumber) -> NoReturn:
-        line, column = self._at(chunk, error.at - _numbers.PAD)
+        before = chunk[: error.at - _numbers.PAD]
+        begin = before.rfind(self.place.newline) + 1
+        line, column = self.line + before.count(self.place.newline), len(before) - begin + (0 if begin else self.column)
         word = error.word.decode("utf-8", "replace")
-        raise FileError(
-            f"column {column + 1}: a number expected, {found(word)}{hint(word)}", self.place.path, line
-        ) from None
+        told = f"column {column + 1}: a number expected, {found(word)}{hint(word)}"
+        raise FileError(told, self.place.path, line) from None

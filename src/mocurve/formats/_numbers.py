@@ -16,7 +16,7 @@ import numpy as np
 
 PAD = 16  # blanks that a text begins with, so that words that end at its first number lie inside
 _WORD = 8  # digits in a word
-_NUMBER = re.compile(rb"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?\Z")
+_NUMBER = rb"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 _CLEAN = b"0123456789.eE+- \t\r\n\f\v"
 _ONE_LINE = bytes.maketrans(b"\t\r\n\f\v", b"     ")
 _TENS = 10.0 ** np.arange(_WORD + 1)
@@ -48,7 +48,7 @@ def parse(text: np.ndarray, newline: int) -> Block:
     """The numbers of a text: uint8 characters, PAD blanks first, one last. NotANumber tells the first that is none."""
     blanks = np.flatnonzero(text <= _SPACE)[PAD - 1 :]
     kinds = text[blanks]
-    ends, lengths, closing = blanks[1:], np.diff(blanks) - 1, kinds[1:]
+    ends, lengths, closing = blanks[1:], blanks[1:] - blanks[:-1] - 1, kinds[1:]
     real = lengths > 0
     before = np.flatnonzero(closing == newline)
     empty = np.flatnonzero(~real)  # blanks that follow blanks
@@ -143,6 +143,6 @@ def _any(text: np.ndarray) -> np.ndarray:
         except ValueError:
             pass  # the word that is no number is looked for below
     for match in re.finditer(rb"[^ \t\r\n\f\v]+", raw):
-        if not _NUMBER.match(match[0]) or abs(float(match[0])) == float("inf"):
+        if not re.fullmatch(_NUMBER, match[0]) or abs(float(match[0])) == float("inf"):
             raise NotANumber(match[0], match.start())
     return np.array(list(map(float, raw.split())))
