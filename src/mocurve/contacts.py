@@ -15,9 +15,11 @@ WINDOW = 5  # frames: a foot is planted where it is slow all around
 
 
 def planted(motion: Motion) -> np.ndarray:
-    """(J, F) True where a joint or end site of a foot rests: slower than a quarter of the rest height per second, in all of 5 frames.
+    """(J, F) True where a joint or end site of a foot rests: slower than a quarter of the rest height per second, in
+    all of 5 frames.
 
-    Feet are the joints with foot, toe, ankle, heel or ball in their name, and all that hangs on them. No joint is called so: nothing is planted.
+    Feet are the joints with foot, toe, ankle, heel or ball in their name, and all that hangs on them. No joint is
+    called so: nothing is planted.
     """
     skeleton = motion.skeleton
     resting = np.zeros((len(skeleton.names), motion.frames), bool)

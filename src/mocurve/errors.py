@@ -12,7 +12,8 @@ class MocurveError(Exception):
 
 
 class FileError(MocurveError, ValueError):
-    """A file cannot be read or written. `path` and `line` (from 1) say where: "walk.bvh:312: 96 numbers expected, 95 found"."""
+    """A file cannot be read or written. `path` and `line` (from 1) say where: "walk.bvh:312: 96 numbers expected, 95
+    found"."""
 
     def __init__(self, message: str, path: str | PathLike[str] | None = None, line: int | None = None):
         self.message, self.line = message, line

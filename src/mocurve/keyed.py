@@ -78,7 +78,9 @@ class KeyedMotion:
         object.__setattr__(self, "curves", tuple(self.curves))
         object.__setattr__(self, "frame_time", checked_frame_time(self.frame_time))
         if len(self.curves) != self.skeleton.channel_count:
-            raise Mismatch(f"the skeleton has {self.skeleton.channel_count} channels, {len(self.curves)} curves are given")
+            raise Mismatch(
+                f"the skeleton has {self.skeleton.channel_count} channels, {len(self.curves)} curves are given"
+            )
 
     def __repr__(self) -> str:
         told = f": {self.report.sentence()}" if self.report is not None else ""

@@ -9,7 +9,7 @@ import numpy as np
 
 from . import rotation
 from .errors import Mismatch, OptionError
-from .skeleton import AXES, Skeleton, frozen
+from .skeleton import Skeleton, frozen
 
 History = tuple[dict[str, Any], ...]
 
@@ -59,15 +59,16 @@ class Motion:
     def __post_init__(self) -> None:
         values = np.asfortranarray(self.values, np.float64)
         if values.ndim != 2 or values.shape[1] != self.skeleton.channel_count:
-            raise Mismatch(f"the skeleton has {self.skeleton.channel_count} channels, the values have shape {values.shape}")
+            raise Mismatch(
+                f"the skeleton has {self.skeleton.channel_count} channels, the values have shape {values.shape}"
+            )
         object.__setattr__(self, "frame_time", checked_frame_time(self.frame_time))
         object.__setattr__(self, "values", frozen(values))
 
     def __repr__(self) -> str:
         joints = len(self.skeleton.names) - int(self.skeleton.end_sites.sum())
-        return (
-            f"<Motion {self.frames} frames, {self.duration:.2f} s, {joints} joints, {self.skeleton.channel_count} channels>"
-        )
+        size = f"{self.frames} frames, {self.duration:.2f} s, {joints} joints, {self.skeleton.channel_count} channels"
+        return f"<Motion {size}>"
 
     def __getitem__(self, span: slice) -> Motion:
         """Some of the frames: motion[100:200] keeps frames 100 to 199."""
@@ -98,22 +99,24 @@ class Motion:
         return replace(self, values=values, frame_time=step)
 
 
-def unroll(motion: Motion) -> Motion:
+def unroll(motion: Motion, *, triples: bool = True) -> Motion:
     """The same rotations, written so that no channel jumps: the rotation fix of Önder 2007, appendix B.1.
 
-    Whole turns are taken out of every rotation channel; where a joint has three rotations about three axes, the other Euler
-    triple of the same rotation (a+180, 180-b, c+180) is taken where it is nearer to the frame before.
+    Whole turns are taken out of every rotation channel. triples: where a joint has three rotations about three axes,
+    take also the other Euler triple of the same rotation, (a+180, 180-b, c+180), where it is nearer to the frame before
+    and the rotation itself does not leap.
     """
     if motion.frames < 2:
         return motion
     values = np.array(motion.values, order="F")
+    if not triples:
+        rotates = motion.skeleton.rotation_channels
+        values[:, rotates] = np.unwrap(values[:, rotates], period=360.0, axis=0)
+        return replace(motion, values=values)
     first = 0
     for kinds in motion.skeleton.channels:
         turning = [first + i for i, kind in enumerate(kinds) if kind.endswith("rotation")]
         order = "".join(kinds[k - first][0] for k in turning)
-        if sorted(order) == sorted(AXES):
-            values[:, turning] = rotation.unroll_euler(values[:, turning], order)
-        else:
-            values[:, turning] = np.unwrap(values[:, turning], period=360.0, axis=0)
+        values[:, turning] = rotation.unroll_euler(values[:, turning], order)
         first += len(kinds)
     return replace(motion, values=values)

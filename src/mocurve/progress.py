@@ -1,4 +1,5 @@
-"""Long work says how far it is to whoever listens; without a listener it costs nothing, and the library prints nothing."""
+"""Long work says how far it is to whoever listens; without a listener it costs nothing, and the library prints
+nothing."""
 
 from __future__ import annotations
 

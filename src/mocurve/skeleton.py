@@ -21,13 +21,14 @@ def frozen(array: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class Skeleton:
-    """Joints in depth-first order; a parent comes before its children, a root's parent is -1 (a file may have several roots).
+    """Joints in depth-first order; a parent comes before its children, a root's parent is -1 (a file may have several
+    roots).
 
     names:     J names as in the file; an end site is called after its parent, "LeftToeBase_End".
     parents:   (J,) index of the parent, -1 for a root.
     offsets:   (J, 3) rest position in the parent's frame, in the file's length unit.
     channels:  per joint, in file order, of "Xposition" ... "Zrotation"; an end site has none.
-    end_sites: (J,) True where the joint is an end site: a place without channels that ends a bone.
+    end_sites: (J,) True where the joint is an end site: a place without channels that ends a bone. Empty: there are none.
     unit:      metres that one length unit of the file stands for, None where nobody said.
     """
 
@@ -35,12 +36,12 @@ class Skeleton:
     parents: np.ndarray
     offsets: np.ndarray
     channels: tuple[tuple[str, ...], ...]
-    end_sites: np.ndarray = field(default=None)  # type: ignore[assignment]  # None: no end sites
+    end_sites: np.ndarray = field(default_factory=lambda: np.zeros(0, bool))
     unit: float | None = None
 
     def __post_init__(self) -> None:
         count = len(self.names)
-        ends = np.zeros(count, bool) if self.end_sites is None else self.end_sites
+        ends = self.end_sites if len(self.end_sites) else np.zeros(count, bool)
         put = object.__setattr__  # the dataclass is frozen; this is its constructor
         put(self, "names", tuple(self.names))
         put(self, "channels", tuple(tuple(names) for names in self.channels))
@@ -97,7 +98,8 @@ class Skeleton:
 
     # -- names ---------------------------------------------------------------------------------
     def joint(self, name: str) -> int:
-        """Index of a joint by name; UnknownName with the nearest name where there is none, Mismatch where there are several."""
+        """Index of a joint by name; UnknownName with the nearest name where there is none, Mismatch where there are
+        several."""
         return _only(name, self.names, "joint")
 
     def channel(self, name: str) -> int:

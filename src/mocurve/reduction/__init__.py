@@ -1,12 +1,13 @@
 """From dense samples to few keys, with a promise.
 
-The methods are in a table: adding one is a file with `solve` and a line here. Whatever a method returns, `reduce` checks the
-promise itself, at every frame, and repairs it.
+The methods are in a table: adding one is a file with `solve` and a line here. Whatever a method returns, `reduce`
+checks the promise itself, at every frame, and repairs it.
 """
 
 from __future__ import annotations
 
 from . import dynamic, linear, optimal, split
+from .problem import ALIGNMENTS
 from .verb import Method, reduce, refine
 
 METHODS = {
@@ -16,6 +17,5 @@ METHODS = {
     "linear": Method(linear.solve, again=True),
 }
 QUALITIES = ("fast", "default", "good", "best")
-ALIGNMENTS = ("channel", "joint", "pose")
 
 __all__ = ["ALIGNMENTS", "METHODS", "QUALITIES", "Method", "reduce", "refine"]

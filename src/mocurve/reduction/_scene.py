@@ -1,6 +1,8 @@
-"""Compiled steps of the promise in space: every step takes curves inside their tubes to other curves inside their tubes.
+"""Compiled steps of the promise in space: every step takes curves inside their tubes to other curves inside their
+tubes.
 
-`near` (C, F) is how far a channel may be from its original sample, whatever the points say. Key states: values and slopes per frame.
+`near` (C, F) is how far a channel may be from its original sample, whatever the points say. Key states: values and
+slopes per frame.
 """
 
 from __future__ import annotations
@@ -21,7 +23,8 @@ HOPELESS = (3.0, 2.0)  # a fit that far out of the tube after the first, second 
 
 
 class Scene(NamedTuple):
-    """The clip, its curves as they are now and the pose that they make; the kernels keep samples, points and axes in step."""
+    """The clip, its curves as they are now and the pose that they make; the kernels keep samples, points and axes in
+    step."""
 
     body: Body
     original: np.ndarray  # (C, F) the samples that were given
@@ -34,7 +37,8 @@ class Scene(NamedTuple):
 
 @kernel
 def sampled(frames, values, slopes, arriving, out):
-    """Samples of a Hermite curve at every frame between its first key and its last, into out; a single key is a constant."""
+    """Samples of a Hermite curve at every frame between its first key and its last, into out; a single key is a
+    constant."""
     if len(frames) == 1:
         out[:] = values[0]
     for q in range(len(frames) - 1):
@@ -77,7 +81,8 @@ def put(scene, k, new, begin, end):
 
 @kernel
 def centre(scene, k, frames, values, slopes, near):
-    """Draw channel k's curve to the middle of its tube, same key frames, states written in place: it makes up for the others' error."""
+    """Draw channel k's curve to the middle of its tube, same key frames, states written in place: it makes up for the
+    others' error."""
     n = scene.samples.shape[1]
     middle, half, new = np.empty(n), np.empty(n), np.empty(n)
     tube(scene, k, near, 0, n, middle, half)
@@ -90,7 +95,8 @@ def centre(scene, k, frames, values, slopes, near):
 
 @kernel
 def fit_window(frames, values, slopes, hold_left, hold_right, middle, half):
-    """Weighted least squares like `refit`, on a window: frames (K,) counted from it; the state of the first or last key may be held.
+    """Weighted least squares like `refit`, on a window: frames (K,) counted from it; the state of the first or last
+    key may be held.
 
     Writes values and slopes, returns the largest |curve - middle| / half; above 1 they are of no use."""
     keys = len(frames)
@@ -123,7 +129,8 @@ def fit_window(frames, values, slopes, hold_left, hold_right, middle, half):
 
 @kernel
 def try_window(scene, members, kept, lo, hi, frames, values, slopes, near):
-    """Put the key frames `kept` in place of keys lo to hi for all members, leaves first, each inside its tube as it then is.
+    """Put the key frames `kept` in place of keys lo to hi for all members, leaves first, each inside its tube as it
+    then is.
 
     Returns the new states (members, len(kept), 2) and True, or puts everything back as it was and returns False."""
     begin, end = frames[lo], frames[hi] + 1
@@ -151,9 +158,11 @@ def try_window(scene, members, kept, lo, hi, frames, values, slopes, near):
 
 @kernel
 def prune(scene, members, frames, values, slopes, near):
-    """Take out keys that the members (M,) of a group can do without, or put one in the middle for two: returns frames, values, slopes.
+    """Take out keys that the members (M,) of a group can do without, or put one in the middle for two: returns frames,
+    values, slopes.
 
-    Exact for any group: each trial moves its members one after the other, and is undone where one of them leaves its tube."""
+    Exact for any group: each trial moves its members one after the other, and is undone where one of them leaves its
+    tube."""
     frames, values, slopes = frames.copy(), values.copy(), slopes.copy()
     q = 1
     while q < len(frames) - 1:

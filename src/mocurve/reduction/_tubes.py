@@ -1,7 +1,8 @@
-"""Compiled kernels of the promise in space: points of the body, and how far one channel may turn before any of them leaves.
+"""Compiled kernels of the promise in space: points of the body, and how far one channel may turn before any of them
+leaves.
 
-Places are kept frame by frame, each coordinate of all points in one row, (F, 3, P): a channel moves one contiguous run of
-every row, which the compiler turns into vector instructions. Axes of the channels, (F, 3, C), likewise.
+Places are kept frame by frame, each coordinate of all points in one row, (F, 3, P): a channel moves one contiguous run
+of every row, which the compiler turns into vector instructions. Axes of the channels, (F, 3, C), likewise.
 """
 
 from __future__ import annotations
@@ -12,13 +13,13 @@ import numpy as np
 
 from .._jit import kernel
 
-
 # What the compiler may do to sums: regroup and contract them. Not assume that all is finite: a limit may be infinite.
 SUMS = {"contract", "reassoc", "nsz", "arcp"}
 
 
 class Body(NamedTuple):
-    """A skeleton as flat arrays. Joints in depth-first order, so that all that hangs on a joint is one run of points and channels."""
+    """A skeleton as flat arrays. Joints in depth-first order, so that all that hangs on a joint is one run of points
+    and channels."""
 
     parents: np.ndarray  # (J,) -1 for a root
     offsets: np.ndarray  # (J, 3) used on axes without a position channel
@@ -77,16 +78,19 @@ def pose(body, values, points, axes):
 
 @kernel
 def moved_points(body, k):
-    """First and one past the last of the points that channel k moves. Unsigned: an index that cannot be negative lets loops be vectorised."""
+    """First and one past the last of the points that channel k moves. Unsigned: an index that cannot be negative lets
+    loops be vectorised."""
     j = body.joint[k]
     return np.uintp(body.first_point[j] + (1 if body.rotates[k] else 0)), np.uintp(body.last_point[j])
 
 
 @kernel
 def reach_of_limits(body, k, points, axes, limits, floor, out):
-    """How far channel k alone may go from where it is, to first order: 1 / the largest movement a unit of it makes, in limits.
+    """How far channel k alone may go from where it is, to first order: 1 / the largest movement a unit of it makes, in
+    limits.
 
-    limits (F, P): how far each point may move (inf: anywhere). floor: least lever arm (length). out (F,): degrees or length."""
+    limits (F, P): how far each point may move (inf: anywhere). floor: least lever arm (length). out (F,): degrees or
+    length."""
     first, last = moved_points(body, k)
     own = body.first_point[body.joint[k]]
     for f in range(len(points)):
@@ -119,7 +123,8 @@ def sine_cosine(x):
 
 @kernel(fastmath=SUMS, inline="always")
 def arcs(first, last, own, k, f, points, target, axes, limits, B, C, D):
-    """The arcs B cos d + C sin d >= D of changes d that the points below rotation channel k allow at frame f, into B, C, D (P,).
+    """The arcs B cos d + C sin d >= D of changes d that the points below rotation channel k allow at frame f, into B,
+    C, D (P,).
 
     |rot(u, d) a + o - p*| <= limit, with a from the joint to the point and b to its target, is that inequality."""
     o0, o1, o2 = points[f, 0, own], points[f, 1, own], points[f, 2, own]
@@ -153,9 +158,11 @@ def shift_room(first, last, k, f, points, target, axes, limits, lo, hi):
 
 @kernel(fastmath=SUMS)
 def narrow(body, k, points, target, axes, limits, begin, end, low, high):
-    """The tube of channel k: cuts [low, high] (F,), changes of the channel from where it is, to what keeps every point within its limit.
+    """The tube of channel k: cuts [low, high] (F,), changes of the channel from where it is, to what keeps every point
+    within its limit.
 
-    Exact: an arc lies about atan2(C, B) and is acos(D / hypot(B, C)) to either side. Frames begin to end; degrees or length."""
+    Exact: an arc lies about atan2(C, B) and is acos(D / hypot(B, C)) to either side. Frames begin to end; degrees or
+    length."""
     first, last = moved_points(body, k)
     own = body.first_point[body.joint[k]]
     rotates = body.rotates[k]
@@ -193,7 +200,8 @@ def narrow(body, k, points, target, axes, limits, begin, end, low, high):
 
 @kernel(fastmath=SUMS)
 def turn(body, k, delta, begin, end, points, axes):
-    """Change channel k by delta (F,) degrees or length at frames begin to end: moves the points and axes below it, exactly."""
+    """Change channel k by delta (F,) degrees or length at frames begin to end: moves the points and axes below it,
+    exactly."""
     first, last = moved_points(body, k)
     j = body.joint[k]
     own = body.first_point[j]

@@ -1,9 +1,10 @@
 """Tolerances in the unit that a person can judge, and what they come to at every frame.
 
-A rule is "[name][@start..end]=amount": "2mm", "0.1%height", "LeftHand=0.5mm", "@1.2..2.0=0.2mm", "LeftKnee.Xrotation=0.1deg".
-Later rules win over earlier ones of the same kind. Amounts in mm, cm, m, in, ft, u (file units) and %height bound how far joints
-and end sites move in the world; amounts in deg and %range bound the channels' own values. Both kinds may be asked at once:
-["2mm", "5deg"] moves nothing by more than 2 mm and turns nothing by more than 5 degrees.
+A rule is "[name][@start..end]=amount": "2mm", "0.1%height", "LeftHand=0.5mm", "@1.2..2.0=0.2mm",
+"LeftKnee.Xrotation=0.1deg". Later rules win over earlier ones of the same kind. Amounts in mm, cm, m, in, ft, u (file
+units) and %height bound how far joints and end sites move in the world; amounts in deg and %range bound the channels'
+own values. Both kinds may be asked at once: ["2mm", "5deg"] moves nothing by more than 2 mm and turns nothing by more
+than 5 degrees.
 """
 
 from __future__ import annotations
@@ -34,7 +35,8 @@ _AMOUNT = re.compile(r"\s*(?P<number>[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\
 
 @dataclass(frozen=True)
 class Rule:
-    """One rule: how much, in which unit, for which joints or channels (None: all), from when to when (seconds; None: always)."""
+    """One rule: how much, in which unit, for which joints or channels (None: all), from when to when (seconds; None:
+    always)."""
 
     amount: float
     unit: str
@@ -52,7 +54,8 @@ class Limits:
     """What the rules come to; inf where nothing is asked.
 
     channels: (C, F) degrees or file length, on the channel's own value.
-    joints:   (J, F) file length, on the place of joints and end sites in the world; None where no rule speaks of the world.
+    joints:   (J, F) file length, on the place of joints and end sites in the world; None where no rule speaks of the
+    world.
     """
 
     channels: np.ndarray
@@ -101,7 +104,7 @@ def length(rule: Rule, motion: Motion) -> float:
     unit = unit_of(motion)
     if not unit.said:
         warnings.warn(
-            f"the file does not say its length unit; from the rest height it is taken as {unit.name} (set it with unit=)",
+            f"the file does not say its length unit; its rest height suggests {unit.name} (set it with unit=)",
             stacklevel=5,
         )
     return rule.amount * METRES[rule.unit] / unit.metres

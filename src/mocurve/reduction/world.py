@@ -1,10 +1,11 @@
 """The promise in space, by exact tubes: no point of the body leaves its limit at any frame, and few keys are left.
 
-Turning one channel moves all that hangs on it on circles, so at each frame the changes of a channel that keep every point within
-its limit are an interval with a closed form: the channel's tube, given all other channels as they are. Each channel starts alone in
-a share of what its lever arm allows. Then rounds, leaves first: draw every curve to the middle of its tube (children make up for
-their parents' error), and find fewer keys inside the tube. Every step goes from curves inside their tubes to curves inside their
-tubes, so the promise holds all the time. How far a channel may stray grows from round to round, lest one takes all the room early.
+Turning one channel moves all that hangs on it on circles, so at each frame the changes of a channel that keep every
+point within its limit are an interval with a closed form: the channel's tube, given all other channels as they are.
+Each channel starts alone in a share of what its lever arm allows. Then rounds, leaves first: draw every curve to the
+middle of its tube (children make up for their parents' error), and find fewer keys inside the tube. Every step goes
+from curves inside their tubes to curves inside their tubes, so the promise holds all the time. How far a channel may
+stray grows from round to round, lest one takes all the room early.
 """
 
 from __future__ import annotations
@@ -31,16 +32,17 @@ SHARE = 0.15  # of what a channel's lever arm allows: where it starts
 Solve = Callable[[np.ndarray, np.ndarray, str], Keys]
 Better = Callable[[Keys, np.ndarray, np.ndarray], Keys]
 Tube = tuple[np.ndarray, np.ndarray]  # middle and half-width (M, F)
+LEAST_SHARE = 1e-9  # below, a limit of nothing is asked: the check of the promise gives every frame its key
 REST = 1  # rounds that a group is left alone after one that found nothing
 
 
 class Round(NamedTuple):
-    """One round: how far a channel may stray (in its lever arm's allowance), sweeps towards the middle, how hard to search again (None: not)."""
+    """One round of the search."""
 
-    stray: float
-    sweeps: int
-    search: str | None
-    prune: bool
+    stray: float  # how far a channel may be from its original, in what its lever arm allows it
+    sweeps: int  # towards the middle of the tubes, before the search
+    search: str  # quality of the search for fewer keys
+    prune: bool  # take out single keys too
 
 
 ROUNDS = {
@@ -55,7 +57,7 @@ ROUNDS = {
 
 
 def body_of(motion: Motion, shell: float = SHELL) -> Body:
-    """The skeleton as flat arrays for the kernels. Joints that a live rotation turns carry shell points beside their bone."""
+    """The skeleton as flat arrays for the kernels. A joint that turns carries shell points beside its bone."""
     skeleton = motion.skeleton
     count, joint = len(skeleton.names), skeleton.channel_joints
     moving = np.zeros(count, bool)
@@ -131,7 +133,7 @@ def scene_of(motion: Motion, limits: Limits) -> Scene:
 
 
 def allowance(scene: Scene, floor: float) -> np.ndarray:
-    """(C, F) how far each channel alone may go from its original, to first order; lever arms count as no shorter than `floor` (length)."""
+    """(C, F) how far each channel alone may go from its original, to first order, no lever arm shorter than `floor`."""
     alone = np.empty_like(scene.original)
     for k in range(len(alone)):
         reach_of_limits(scene.body, k, scene.target, scene.axes, scene.limits, floor, alone[k])
@@ -158,10 +160,10 @@ def samples_of(keys: Keys, member: int, frames: int) -> np.ndarray:
 def fit(
     motion: Motion, groups: list[np.ndarray], limits: Limits, solve: Solve, again: bool, quality: str
 ) -> tuple[list[Keys], list[Tube]]:
-    """Keys for groups of channels (each shares its key times) that keep every joint and every channel within its limits.
+    """Keys for groups of channels (each shares its key times) that keep every joint and every channel in its limits.
 
-    solve: a method's; again: whether it is to be run again inside the tubes in every round. Returns with each group's keys the tube
-    that it ended with: how far its channels might still go, all others as they are."""
+    solve: a method's; again: whether it is to be run again inside the tubes in every round. Returns with each group's
+    keys the tube that it ended with: how far its channels might still go, all others as they are."""
     scene, alone, cap = problem(motion, limits)
     keys, share = _start(scene, groups, alone, cap, solve)
     rounds = ROUNDS[quality]
@@ -179,7 +181,7 @@ def fit(
             if len(keys[g].frames) <= 2 or rest[g] >= 0:
                 continue
             before = len(keys[g].frames)
-            if again and step.search:
+            if again:
                 keys[g] = _search(scene, groups[g], keys[g], near, solve, step.search)
             if step.prune or not again or len(groups[g]) > 1:
                 keys[g] = _prune(scene, groups[g], keys[g], near)
@@ -189,7 +191,7 @@ def fit(
 
 
 def problem(motion: Motion, limits: Limits) -> tuple[Scene, np.ndarray, np.ndarray]:
-    """The scene, and (C, F) twice: how far each channel may go from its original for its lever arm, and for its own limit."""
+    """The scene, and (C, F) twice how far a channel may go from its original: by its lever arm, by its own limit."""
     scene = scene_of(motion, limits)
     alone = allowance(scene, 0.5 * SHELL * rest_height(motion))
     cap = limits.channels * (1.0 - RESERVE)
@@ -198,8 +200,9 @@ def problem(motion: Motion, limits: Limits) -> tuple[Scene, np.ndarray, np.ndarr
 
 
 def polish(motion: Motion, groups: list[np.ndarray], limits: Limits, keys: list[Keys], better: Better) -> list[Keys]:
-    """The keys, group after group made better inside its tube: better(keys, middle, half) -> Keys, with as many keys. As they are where
-    the limits do not hold to begin with. Groups of several channels are left: their tubes hold for one channel at a time."""
+    """The keys, group after group made better inside its tube: better(keys, middle, half) -> Keys, with as many keys.
+    As they are where the limits do not hold to begin with. Groups of several channels are left: their tubes hold for
+    one channel at a time."""
     scene, _, cap = problem(motion, limits)
     if take(scene, groups, keys) > 1.0:
         return keys
@@ -223,15 +226,16 @@ def tubes(scene: Scene, group: np.ndarray, near: np.ndarray) -> Tube:
 def _start(
     scene: Scene, groups: list[np.ndarray], alone: np.ndarray, cap: np.ndarray, solve: Solve
 ) -> tuple[list[Keys], float]:
-    """Every group in a share of its allowance, the share lowered until the promise holds; returns the keys and the share."""
+    """Every group in a share of its allowance, which is lowered until the promise holds; returns keys and share."""
     share = SHARE
-    while True:
+    while share > LEAST_SHARE:
         room = np.minimum(share * alone, cap)
         keys = [group_keys(scene.original[group], room[group], solve, "fast") for group in groups]
         worst = take(scene, groups, keys)
         if worst <= 1.0:
-            return keys, share
+            break
         share *= 0.9 / worst
+    return keys, share
 
 
 def _centre(scene: Scene, group: np.ndarray, keys: Keys, near: np.ndarray) -> None:
@@ -242,8 +246,9 @@ def _centre(scene: Scene, group: np.ndarray, keys: Keys, near: np.ndarray) -> No
 
 
 def _search(scene: Scene, group: np.ndarray, keys: Keys, near: np.ndarray, solve: Solve, quality: str) -> Keys:
-    """Solve again inside the tubes; taken where it has fewer keys. Members of a group get a part of their tube each, about where they are:
-    to first order all of them may move so far at once. What the second order spoils is seen member by member, and undone."""
+    """Solve again inside the tubes; taken where it has fewer keys. Members of a group get a part of their tube each,
+    about where they are: to first order all of them may move so far at once. What the second order spoils is seen
+    member by member, and undone."""
     frames = scene.samples.shape[1]
     middle, half = tubes(scene, group, near)
     now = scene.samples[group]
@@ -282,6 +287,4 @@ def _refuse_unlimited(motion: Motion, alone: np.ndarray, cap: np.ndarray) -> Non
     free = (np.isinf(alone) & np.isinf(cap)).any(axis=1) & (np.ptp(motion.values, axis=0) > 0.0)
     if free.any():
         name = motion.skeleton.channel_names[int(np.flatnonzero(free)[0])]
-        raise OptionError(
-            f"this tolerance leaves channel {name!r} without a limit: nothing hangs on it; add one in deg, like '0.5deg'"
-        )
+        raise OptionError(f"nothing hangs on channel {name!r}, so this tolerance leaves it free; add one like '0.5deg'")
