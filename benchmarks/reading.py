@@ -3,7 +3,7 @@
     pip install pybvh==0.9.*; python benchmarks/reading.py [megabytes, 100]
 
 Large: the rows of a real clip again and again. Small: a new Python that reads, so that start-up counts. Memory: the
-that is allocated at a time, in sizes of the array. Medians of alternating runs.
+most that is allocated at a time, in sizes of the array. Medians of alternating runs.
 """
 
 from __future__ import annotations

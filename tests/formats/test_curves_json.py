@@ -159,3 +159,12 @@ def test_what_is_no_json_is_told(tmp_path, text, words):
     with pytest.raises(mc.FileError) as caught:
         mc.read(path)
     assert words in str(caught.value)
+
+
+def test_the_example_of_the_documentation_is_read(tmp_path, repository):
+    text = (repository / "docs" / "formats.md").read_text("utf-8")
+    path = tmp_path / "a.curves.json"
+    path.write_text(text.partition("```json\n")[2].partition("```")[0])
+    assert repr(mc.read(path)) == "<KeyedMotion 2 keys for 121 frames x 1 channels>"
+    mc.write(tmp_path / "b.curves.json", mc.read(path))
+    assert (tmp_path / "b.curves.json").read_text() == path.read_text()
