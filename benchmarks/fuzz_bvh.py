@@ -111,12 +111,10 @@ def plain(data: bytes) -> tuple[list[str], list[str], list[float], list[float], 
     """A BVH file read slowly and simply: names, channels, offsets, numbers, frames announced, numbers a line."""
     text = data.decode("utf-8", "replace").removeprefix("\ufeff")
     newline = "\n" if "\n" in text else "\r"
-    head, _, rest = re.split(r"(?i)frame\s*time\s*:?\s*([^\s:]+)", text, maxsplit=1)
+    title = r"(?i)(?<![^\s{}])(root|joint|site)(?![^\s{}])([^\r\n{}]*)"  # a name may look like anything
+    names = [name for kind, name in re.findall(title, text) if kind.lower() != "site"]
+    tree, _, rest = re.split(r"(?i)frame\s*time\s*:?\s*([^\s:]+)", re.sub(title, " ", text), maxsplit=1)
     body = rest.partition(newline)[2]
-    names = re.findall(r"(?i)(?<![^\s{}])(?:root|joint)(?![^\s{}])([^\r\n{}]*)", head)
-    tree = re.sub(
-        r"(?i)(?<![^\s{}])(?:root|joint|site)(?![^\s{}])[^\r\n{}]*", " ", head
-    )  # names may look like anything
     channels = re.findall(r"(?i)[xyz](?:position|rotation)", tree)
     offsets = [float(x) for triple in re.findall(r"(?i)offset\s+(\S+)\s+(\S+)\s+([^\s{}]+)", tree) for x in triple]
     frames = int(re.findall(r"(?i)frames\s*:?\s*([0-9]+)", tree)[-1])

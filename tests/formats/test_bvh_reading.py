@@ -224,6 +224,8 @@ def test_old_encodings_are_read_with_a_warning(bvh, values, coding, name, told):
         (("Frames: 3", "Frames:"), 18, "a number of frames expected, 'Frame' found"),
         (("Frames: 3\n", ""), 17, "Frames: expected, 'Frame' found"),
         (("0.0083333", "0.0083333 s"), 18, "end of the line expected after the frame time, 's' found"),
+        (("Frame Time", "Time"), 18, "Frame Time: expected, 'Time:' found"),
+        (("    OFFSET 0 -1 0\n", "", "    }\n", "    }\n    OFFSET 0 -1 0\n"), 13, "expected, 'OFFSET' found"),
         (("0.0083333", "nan"), 18, "'nan' found"),
         (("0.0083333", "1e-400"), 18, "'1e-400' found"),
         (("CHANNELS 1", "CHANNELS 7"), 9, "0 to 6 expected, '7' found"),

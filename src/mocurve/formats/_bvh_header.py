@@ -123,16 +123,16 @@ class _Hierarchy:
         open_joints = [self._open(-1, self.scan.name())]
         while open_joints:
             joint = open_joints[-1]
-            given = self.scan.word()
+            given, childless = self.scan.word(), joint == len(self.names) - 1
             word = given.lower()
             if word == "}":
                 self._close(joint)
                 open_joints.pop()
-            elif word == "offset" and self.offsets[joint] is None:
+            elif word == "offset" and self.offsets[joint] is None and childless:
                 self.offsets[joint] = (self.scan.number(), self.scan.number(), self.scan.number())
             elif self.ends[joint]:
                 self.scan.fail(f"{'}' if self.offsets[joint] else 'OFFSET'} expected in an End Site, {found(given)}")
-            elif word == "channels" and self.channels[joint] is None and joint == len(self.names) - 1:
+            elif word == "channels" and self.channels[joint] is None and childless:
                 self.channels[joint] = self._channels()
             elif word == "joint":
                 open_joints.append(self._open(joint, self.scan.name()))
@@ -196,12 +196,12 @@ def _frames(scanner: Scanner) -> int:
 
 def _frame_time(scanner: Scanner, frames: int) -> str:
     """The digits of the frame time, as written; the scanner then stands behind the end of their line."""
-    word = scanner.word()
-    if word.lower() == "frame":
-        word = scanner.word()
-    head, colon, digits = word.partition(":")
-    if head.lower() not in ("time", "frametime"):
-        scanner.fail(f"Frame Time: expected, {found(word)}")
+    words = scanner.word()
+    if words.lower() == "frame":
+        words += scanner.word()
+    head, colon, digits = words.partition(":")
+    if head.lower() != "frametime":
+        scanner.fail(f"Frame Time: expected, {found(words)}")
     digits = digits or scanner.word()
     if not colon:
         digits = digits.removeprefix(":") or scanner.word()
