@@ -10,6 +10,7 @@ from . import _bvh_header as header
 from ._files import Path
 
 _FIRST = 1 << 16  # bytes that the head is looked for in first
+_NO_LATIN = frozenset(range(128, 160))
 _OLD = {"cp932": "Shift-JIS", "latin-1": "Latin-1"}
 
 
@@ -62,10 +63,10 @@ class Source:
 
 def _decoded(data: bytes, whole: bool) -> tuple[str, str]:
     """The text and its codec. No UTF-8: Shift-JIS if that fits and some bytes are no Latin-1 letters, else Latin-1."""
-    japanese = any(128 <= byte < 160 for byte in set(data))
-    for codec in ("utf-8", "cp932") if japanese else ("utf-8",):
+    for codec in ("utf-8", "cp932"):
         try:
-            return codecs.getincrementaldecoder(codec)().decode(data, whole), codec
+            if codec == "utf-8" or not _NO_LATIN.isdisjoint(data):
+                return codecs.getincrementaldecoder(codec)().decode(data, whole), codec
         except UnicodeDecodeError:
             continue
     return data.decode("latin-1"), "latin-1"

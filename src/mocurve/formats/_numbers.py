@@ -101,7 +101,7 @@ def _points(text: np.ndarray, ends: np.ndarray, digits: np.ndarray, low: np.ndar
     exponent = dots.view(np.int64).astype(np.float64).view(np.int64) >> 52  # of the highest bit, that of the last point
     moving = np.minimum((1023 + 56 - exponent) >> 3, _WORD)
     digits -= moving < _WORD
-    return moving % _WORD, moving
+    return moving & (_WORD - 1), moving
 
 
 def _digits(high: np.ndarray, low: np.ndarray, digits: np.ndarray, behind: np.ndarray) -> np.ndarray:
