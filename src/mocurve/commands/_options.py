@@ -13,9 +13,8 @@ from typing import Annotated, Any, get_type_hints
 from cyclopts import Parameter
 
 from ..errors import OptionError
-from ..formats import FORMATS
 
-Source = Annotated[Path, Parameter(help=f"A clip: {' '.join(FORMATS)}")]
+Source = Annotated[Path, Parameter(help="A clip: .bvh .npz, or keys: .curves.json")]
 Json = Annotated[bool, Parameter(show_default=False, help="Print one JSON object and nothing else.")]
 Html = Annotated[Path | None, Parameter(help="Write a page to look at here (one file, works without a network).")]
 Unit = Annotated[
