@@ -28,7 +28,7 @@ class Skeleton:
     parents:   (J,) index of the parent, -1 for a root.
     offsets:   (J, 3) rest position in the parent's frame, in the file's length unit.
     channels:  per joint, in file order, of "Xposition" ... "Zrotation"; an end site has none.
-    end_sites: (J,) True where the joint is an end site: a place without channels that ends a bone. Empty: there are none.
+    end_sites: (J,) True for an end site, a place without channels that ends a bone. Empty: there are none.
     unit:      metres that one length unit of the file stands for, None where nobody said.
     """
 

@@ -46,6 +46,8 @@ def ratio_keys(y: np.ndarray, ratio: float) -> np.ndarray:
     """
     if not ratio >= 0:
         raise OptionError(f"ratio is height over chord length, a number from 0 on, not {ratio!r}")
+    if len(y) < 2:
+        return np.arange(len(y))
     return chord_frames(np.ascontiguousarray(y, np.float64), float(ratio))
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -134,9 +133,8 @@ def _by_ratio(clip: Clip, ratio: float, step: dict[str, Any], started: float) ->
 
 def _side_by_side(work: Callable[[world.Tube], Any], tubes: list[world.Tube], label: str) -> list[Any]:
     """work(tube) of every tube, one thread a core: the kernels let go of the interpreter."""
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     done = []
-    with ThreadPoolExecutor(cores) as threads:
+    with ThreadPoolExecutor(world.cores()) as threads:
         for result in threads.map(work, tubes):
             done.append(result)
             progress.advance(label, len(done), len(tubes))

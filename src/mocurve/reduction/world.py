@@ -10,7 +10,10 @@ stray grows from round to round, lest one takes all the room early.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -46,12 +49,13 @@ class Round(NamedTuple):
 
 
 ROUNDS = {
-    "fast": [Round(stray, 1, "default", False) for stray in (0.45, 1.2, 2.4)],
+    "fast": [Round(0.45, 1, "fast", False), Round(1.2, 1, "default", False), Round(2.4, 1, "default", False)],
     "default": [
-        *[Round(stray, 2, "default", False) for stray in (0.3, 0.8, 2.4, 2.4, 2.4)],
-        Round(2.4, 2, "good", False),
+        Round(0.3, 2, "fast", False),
+        Round(0.8, 2, "default", False),
+        *[Round(2.4, 2, "good", False) for _ in range(3)],
     ],
-    "good": [Round(stray, 4, "good", True) for stray in (0.3, 0.6, 1.2, 2.4, 2.4, 2.4, 2.4, 2.4)],
+    "good": [Round(stray, 4, "good", True) for stray in (0.3, 0.6, 1.2, *[2.4] * 5)],
     "best": [Round(stray, 4, "best", True) for stray in (0.3, 0.6, 1.2, *[2.4] * 9)],
 }
 
@@ -165,29 +169,67 @@ def fit(
     solve: a method's; again: whether it is to be run again inside the tubes in every round. Returns with each group's
     keys the tube that it ended with: how far its channels might still go, all others as they are."""
     scene, alone, cap = problem(motion, limits)
-    keys, share = _start(scene, groups, alone, cap, solve)
-    rounds = ROUNDS[quality]
+    parts = limbs(motion, groups)
     rest = np.zeros(len(groups), int)  # rounds for which a group is left alone, after a search in vain
-    for number, step in enumerate(rounds):
-        near = np.minimum(step.stray * (share / SHARE) * alone, cap)
-        for _ in range(step.sweeps):
-            for group, found in zip(reversed(groups), reversed(keys), strict=True):
-                _centre(scene, group, found, near)
-        for g in range(len(groups) - 1, -1, -1):
-            progress.advance(
-                "fitting inside the tubes", number * len(groups) + len(groups) - g, len(rounds) * len(groups)
-            )
-            rest[g] -= 1
-            if len(keys[g].frames) <= 2 or rest[g] >= 0:
-                continue
-            before = len(keys[g].frames)
-            if again:
-                keys[g] = _search(scene, groups[g], keys[g], near, solve, step.search)
-            if step.prune or not again or len(groups[g]) > 1:
-                keys[g] = _prune(scene, groups[g], keys[g], near)
-            if len(keys[g].frames) == before:
-                rest[g] = REST
+
+    def search(step: Round, near: np.ndarray, g: int) -> None:
+        rest[g] -= 1
+        before = len(keys[g].frames)
+        if before <= 2 or rest[g] >= 0:
+            return
+        if again:
+            keys[g] = _search(scene, groups[g], keys[g], near, solve, step.search)
+        if step.prune or not again or len(groups[g]) > 1:
+            keys[g] = _prune(scene, groups[g], keys[g], near)
+        if len(keys[g].frames) == before:
+            rest[g] = REST
+
+    with ThreadPoolExecutor(cores()) as threads:
+        keys = _start(scene, groups, alone, cap, solve, threads)
+        for number, step in enumerate(ROUNDS[quality]):
+            progress.advance("fitting inside the tubes", number, len(ROUNDS[quality]))
+            near = np.minimum(step.stray * alone, cap)
+            for _ in range(step.sweeps):
+                _side_by_side(threads, parts, partial(_centre, scene, groups, keys, near))
+            _side_by_side(threads, parts, partial(search, step, near))
+        progress.advance("fitting inside the tubes", len(ROUNDS[quality]), len(ROUNDS[quality]))
     return keys, [tubes(scene, group, cap) for group in groups]
+
+
+def cores() -> int:
+    """Processor cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def limbs(motion: Motion, groups: list[np.ndarray]) -> list[list[int]]:
+    """The groups by number, leaves first: of each limb, and last of the trunk. No two limbs move a point in common.
+
+    A limb is all that hangs on a joint, with at most a third of all channels; a group over several limbs is trunk's."""
+    skeleton = motion.skeleton
+    owners = skeleton.channel_joints
+    below = np.bincount(owners, minlength=len(skeleton.names))
+    for joint in range(len(below) - 1, 0, -1):
+        if skeleton.parents[joint] >= 0:
+            below[skeleton.parents[joint]] += below[joint]
+    limb = np.full(len(below), -1)
+    for joint, parent in enumerate(skeleton.parents):
+        if parent >= 0 and limb[parent] >= 0:
+            limb[joint] = limb[parent]
+        elif 3 * below[joint] <= len(owners):
+            limb[joint] = joint
+    parts: dict[int, list[int]] = {-1: []}
+    for g in range(len(groups) - 1, -1, -1):
+        of_group = np.unique(limb[owners[groups[g]]])
+        parts.setdefault(int(of_group[0]) if len(of_group) == 1 else -1, []).append(g)
+    return [*(part for joint, part in parts.items() if joint >= 0), parts[-1]]
+
+
+def _side_by_side(threads: ThreadPoolExecutor, parts: list[list[int]], work: Callable[[int], None]) -> None:
+    """work(g) for every group: limbs in threads, then the trunk. The result is the same however the threads run."""
+    for done in threads.map(lambda part: [work(g) for g in part], parts[:-1]):
+        del done  # waited for, and its error raised
+    for g in parts[-1]:
+        work(g)
 
 
 def problem(motion: Motion, limits: Limits) -> tuple[Scene, np.ndarray, np.ndarray]:
@@ -224,25 +266,32 @@ def tubes(scene: Scene, group: np.ndarray, near: np.ndarray) -> Tube:
 
 
 def _start(
-    scene: Scene, groups: list[np.ndarray], alone: np.ndarray, cap: np.ndarray, solve: Solve
-) -> tuple[list[Keys], float]:
-    """Every group in a share of its allowance, which is lowered until the promise holds; returns keys and share."""
+    scene: Scene,
+    groups: list[np.ndarray],
+    alone: np.ndarray,
+    cap: np.ndarray,
+    solve: Solve,
+    threads: ThreadPoolExecutor,
+) -> list[Keys]:
+    """Every group in a share of its allowance, which is lowered until the promise holds."""
     share = SHARE
-    while share > LEAST_SHARE:
+    while True:
         room = np.minimum(share * alone, cap)
-        keys = [group_keys(scene.original[group], room[group], solve, "fast") for group in groups]
+        bands = [(scene.original[group], room[group]) for group in groups]
+        keys = list(threads.map(lambda band: group_keys(*band, solve, "fast"), bands))
         worst = take(scene, groups, keys)
-        if worst <= 1.0:
-            break
+        if worst <= 1.0 or share < LEAST_SHARE:
+            return keys
         share *= 0.9 / worst
-    return keys, share
 
 
-def _centre(scene: Scene, group: np.ndarray, keys: Keys, near: np.ndarray) -> None:
-    if keys.in_slopes is not None or len(keys.frames) == 1:
+def _centre(scene: Scene, groups: list[np.ndarray], keys: list[Keys], near: np.ndarray, g: int) -> None:
+    """Draw the curves of a group to the middle of their tubes; not constants, nor straight segments."""
+    frames, values, slopes, arriving = keys[g]
+    if arriving is not None or len(frames) == 1:
         return
-    for member in range(len(group) - 1, -1, -1):
-        centre(scene, group[member], keys.frames, keys.values[member], keys.slopes[member], near)
+    for member in range(len(values) - 1, -1, -1):
+        centre(scene, groups[g][member], frames, values[member], slopes[member], near)
 
 
 def _search(scene: Scene, group: np.ndarray, keys: Keys, near: np.ndarray, solve: Solve, quality: str) -> Keys:
