@@ -11,6 +11,7 @@ import pytest
 import mocurve as mc
 from mocurve.formats import FORMATS, metres
 from mocurve.formats import csv as csv_format
+from mocurve.progress import listening
 
 
 @pytest.mark.parametrize("extension", FORMATS)
@@ -40,6 +41,20 @@ def test_every_format_says_what_is_missing(tmp_path, extension):
 def test_an_unknown_extension_names_the_known_ones(name):
     with pytest.raises(mc.OptionError, match=r"a file name ends in \.bvh, \.curves\.json, \.csv, \.npz"):
         mc.read(name)
+
+
+def test_long_reading_and_writing_tells_how_far_it_is(tmp_path, bvh):
+    motion = mc.read(bvh())
+    long = mc.Motion(motion.skeleton, np.tile(motion.values, (40_000, 1)), motion.frame_time)
+    told: list[tuple[str, int, int]] = []
+    with listening(lambda *step: told.append(step)):
+        mc.write(tmp_path / "long.bvh", long)
+        mc.read(tmp_path / "long.bvh")
+    for label in ("writing", "reading"):
+        done = [step[1] for step in told if step[0] == label]
+        assert len(done) > 3
+        assert done == sorted(done)
+        assert all(step[2] >= done[-1] for step in told if step[0] == label)
 
 
 @pytest.mark.parametrize(

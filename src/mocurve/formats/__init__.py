@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from os import PathLike, fspath
+from os import PathLike, fsdecode
 from typing import Protocol
 
 from ..errors import OptionError
@@ -56,8 +56,8 @@ class _Format(Protocol):
 
 
 def _format(path: str | PathLike[str]) -> _Format:
-    name = fspath(path).lower()
+    name = fsdecode(path).lower()
     for extension in sorted(FORMATS, key=len, reverse=True):
         if name.endswith(extension):
             return FORMATS[extension]
-    raise OptionError(f"no format known for {fspath(path)!r}; a file name ends in {', '.join(FORMATS)}")
+    raise OptionError(f"no format known for {fsdecode(path)!r}; a file name ends in {', '.join(FORMATS)}")

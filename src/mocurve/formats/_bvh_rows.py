@@ -11,6 +11,7 @@ from typing import NamedTuple, NoReturn
 import numpy as np
 
 from ..errors import FileError
+from ..progress import advance
 from . import _numbers
 from ._bvh_header import found, hint
 from ._files import Path
@@ -40,10 +41,12 @@ def read_rows(read: Read, place: Place, channels: int, frames: int) -> np.ndarra
         return np.empty((min(frames, _count_blank_lines(read, place)), 0))
     rows = _Rows(channels, min(frames, (place.size + 1) // (2 * channels)))
     lines = Lines(place.line)
-    tail = b""
+    tail, done = b"", 0
     for chunk, block in _blocks(read, place):
         rows.add(block.values)
         lines.add(block)
+        done += len(chunk)
+        advance("reading", min(done, place.size), place.size)
         tail = chunk[-_TAIL:] if len(chunk) >= _TAIL else tail[-_TAIL:] + chunk
     lines.finish()
     check_lines(lines, channels, frames, place.path)

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..errors import Mismatch
+from ..progress import advance
 
 _NUMBERS = 1 << 16  # turned into text at a time
 
@@ -26,3 +27,4 @@ def table(values: np.ndarray, lossless: bool, separator: str) -> Iterator[bytes]
     for first in range(0, len(values), step):
         rows = values[first : first + step].tolist()
         yield "".join([form % tuple(row) for row in rows]).encode()
+        advance("writing", min(first + step, len(values)), len(values))
