@@ -101,7 +101,7 @@ def refit(
     """Values and slopes (per frame) of the C1 Hermite curve with the key frames (K,) nearest to middle (F,).
 
     Weight 1/half²; `sweeps` more solutions with Lawson's weights (each times its error) draw the largest error down,
-    up to the first that is inside the band. Returns the best: values (K,), slopes (K,), its largest |curve - middle| / half.
+    up to the first that is inside the band. Returns the best: values, slopes (K,), largest |curve - middle| / half.
     """
     keys, n = len(frames), len(middle)
     values, slopes = middle[frames], np.zeros(keys)

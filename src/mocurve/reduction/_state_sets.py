@@ -165,45 +165,34 @@ def best_source(
     room: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray],
     nodes: np.ndarray,
     corners: np.ndarray,
-    s0: int,
-    s1: int,
+    first: int,
+    last: int,
     end: int,
     middle: np.ndarray,
     half: np.ndarray,
     j: int,
     most: int,
 ) -> bool:
-    """Put the polygons at frame j, from the node of the level s0 .. s1 - 1 that gives them most area, at the place `end`.
+    """Put the polygons at frame j, from the node among first .. last that gives them most area, at the place `end`.
 
     A trial lies one place further and moves here if it is the best.
     """
     nodes[end, FRAME] = j
     best = -np.inf
-    for s in range(s0, s1):
+    for s in range(first, last + 1):
         i = nodes[s, FRAME]
         if i + 1 == j:  # a one-frame segment can end in any state
             nodes[end, PARENT] = s
             free_states(middle, half, j, nodes[end, COUNTS:], corners[end])
             return True
         if i < j:
-            covered = group_arrive(
-                room,
-                nodes[s, COUNTS:],
-                corners[s],
-                middle,
-                half,
-                i,
-                j,
-                most,
-                best,
-                nodes[end + 1, COUNTS:],
-                corners[end + 1],
-            )
+            old, new = nodes[s, COUNTS:], nodes[end + 1, COUNTS:]
+            covered = group_arrive(room, old, corners[s], middle, half, i, j, most, best, new, corners[end + 1])
             if covered > best:
                 best, nodes[end, PARENT] = covered, s
                 for m in range(middle.shape[0]):
-                    nodes[end, COUNTS + m] = nodes[end + 1, COUNTS + m]
-                    copy(corners[end + 1, m], nodes[end, COUNTS + m], corners[end, m])
+                    nodes[end, COUNTS + m] = new[m]
+                    copy(corners[end + 1, m], new[m], corners[end, m])
     return best > -np.inf
 
 
@@ -211,7 +200,7 @@ def best_source(
 def forward(
     middle: np.ndarray, half: np.ndarray, width: int, stride: int, most: int
 ) -> tuple[np.ndarray, np.ndarray, int]:
-    """Search to the last frame. Returns all nodes (N, 2 + M), their polygons (N, M, CORNERS, 2) and the last node."""
+    """Search to the last frame. Returns nodes (N, 2 + M), polygons (N, M, CORNERS, 2) and the last node."""
     members, n = middle.shape
     nodes, corners = np.empty((64, COUNTS + members), np.int64), np.empty((64, members, CORNERS, 2))
     supports, order = new_supports(CORNERS)
@@ -225,10 +214,13 @@ def forward(
         guess, end = far - nodes[s0, FRAME], s1
         if end + width >= len(nodes):
             nodes, corners = twice(nodes, corners)
-        for c in range(candidates(nodes, s0, s1, far, width, stride, ahead)):
-            if best_source(room, nodes, corners, s0, s1, end, middle, half, ahead[c], most):
+        for j in ahead[: candidates(nodes, s0, s1, far, width, stride, ahead)]:
+            # The best source is nearly always that of the candidate before, or the one ahead of it.
+            won = nodes[end - 1, PARENT] if end > s1 else -1
+            near = won >= 0 and best_source(room, nodes, corners, max(s0, won - 1), won, end, middle, half, j, most)
+            if near or best_source(room, nodes, corners, s0, s1 - 1, end, middle, half, j, most):
                 end += 1
-                if end - s1 == width or ahead[c] == n - 1:
+                if end - s1 == width or j == n - 1:
                     break
         s0, s1 = s1, end
     return nodes, corners, s0
@@ -246,7 +238,7 @@ def choose(
     end_slope: float,
     spare: np.ndarray,
 ) -> tuple[float, float]:
-    """A state of a polygon at frame i from which a segment of h frames to a given end state holds: the middle of them."""
+    """A state of a polygon at frame i from which a segment of h frames to a given end state holds: their middle."""
     v, m = centre(polygon, size)
     for g in range(1, h):
         s = g / h

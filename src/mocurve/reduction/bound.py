@@ -1,8 +1,8 @@
 """A proven lower bound of the number of keys: a greedy partition into cubics that need not even join.
 
 A cubic that fits a run of frames fits every part of it, so taking the longest run each time needs the fewest pieces.
-Whether a cubic fits is decided by Remez' exchange: five frames whose levelled error exceeds their half-widths prove that
-none does (de la Vallée Poussin).
+Whether a cubic fits is decided by Remez' exchange: five frames whose levelled error exceeds their half-widths prove
+that none does (de la Vallée Poussin).
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ EXCHANGES = 60  # more for one frame are rounding, and the frame is let pass
 
 @kernel(fastmath=True)
 def level(at: np.ndarray, y: np.ndarray, half: np.ndarray, base: float, newton: np.ndarray) -> float:
-    """Cubic with equal errors, signs alternating, on five frames, in Newton's form. Returns the first, in half-widths."""
+    """Cubic of equal errors, signs alternating, on five frames, in Newton's form. Returns the first, in half-widths."""
     total = weight = 0.0
     for k in range(5):
         w = 1.0

@@ -14,7 +14,7 @@ from .keys import Keys
 MARGIN = 1e-8  # the search keeps this part of every half-width in reserve for rounding
 
 # Frames kept per level, distance between them in % of the segment, corners of a polygon of states.
-SETTINGS = {"fast": (2, 20, 5), "default": (3, 15, 5), "good": (4, 10, 6), "best": (8, 5, 8)}
+SETTINGS = {"fast": (2, 20, 5), "default": (3, 15, 5), "good": (5, 10, 6), "best": (12, 5, 6)}
 
 
 @kernel
