@@ -90,6 +90,11 @@ def test_a_ratio_that_cannot_be_is_refused(ratio):
         split.ratio_keys(np.zeros(5), ratio)
 
 
+@pytest.mark.parametrize("count", [0, 1, 2])
+def test_the_shortest_channels_keep_every_frame(count):
+    assert split.with_ratio(np.ones(count), 0.01).frames.tolist() == list(range(count))
+
+
 def test_a_constant_keeps_its_two_ends():
     keys = split.with_ratio(np.full(50, 3.0), 0.001)
     assert keys.frames.tolist() == [0, 49]
