@@ -138,7 +138,9 @@ def _repaired(keys: Keys, samples: np.ndarray, broken: np.ndarray) -> Keys:
     at = np.flatnonzero(wanted)
     slopes = np.gradient(samples, axis=0) if len(samples) > 1 else np.zeros_like(samples)
     values, slopes = samples[at].T.copy(), slopes[at].T.copy()
-    kept = np.isin(at, keys.frames[~broken[keys.frames]])
+    states = [keys.values, keys.slopes, *([] if keys.in_slopes is None else [keys.in_slopes])]
+    sound = np.isfinite(states).all(axis=(0, 1))
+    kept = np.isin(at, keys.frames[sound & ~broken[keys.frames]])
     old = np.isin(keys.frames, at[kept])
     values[:, kept], slopes[:, kept] = keys.values[:, old], keys.slopes[:, old]
     if keys.in_slopes is None:
