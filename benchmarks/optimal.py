@@ -4,16 +4,18 @@
 
 Channels: every `step`-th live rotation channel (range > 0.02 deg) of all BVH clips in cmu and other, unrolled, the
 first `frames` frames. Processor time, median of the rounds; all take turns in every round, after a call that compiles.
-The peer is a Python file with `reduce_channel(y, tolerance, 3, 1, 15, 6)`, such as the prototype reduction_kernels.py beside the
-clips, taken if there. "long / short" is the cost of a frame at 8000 frames to that at 500, on random walks.
+The peer is a Python file with `reduce_channel(y, tolerance, 3, 1, 15, 6)`, such as the prototype
+reduction_kernels.py beside the clips, taken if there. "long / short" is the cost of a frame at 8000 frames to that at
+500, on random walks.
 """
 
 from __future__ import annotations
 
+import sys
 import warnings
 from argparse import ArgumentParser
 from collections.abc import Callable
-from importlib.util import module_from_spec, spec_from_file_location
+from importlib import import_module
 from pathlib import Path
 from statistics import median
 from time import process_time
@@ -49,12 +51,8 @@ def peer(path: Path) -> Callable[..., Any] | None:
     """The peer's reduce_channel, if its file is there."""
     if not path.is_file():
         return None
-    spec = spec_from_file_location(path.stem, path)
-    assert spec
-    assert spec.loader
-    module = module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module.reduce_channel
+    sys.path.insert(0, str(path.parent))  # a kernel that was cached finds its module by name
+    return import_module(path.stem).reduce_channel
 
 
 def timed(reduce: Callable[[np.ndarray], int], channels: list[np.ndarray]) -> tuple[float, int]:
