@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from .._jit import kernel
-from ._strips import CUBIC, EDGES, aim, solve, start_basis, start_strips
+from ._strips import CUBIC, ROUNDING, aim, solve, start_basis, start_strips
 
 
 @kernel
 def new_supports(corners: int) -> tuple[np.ndarray, np.ndarray]:
     """Room for `corners` supports (see `support`), and for their counterclockwise order."""
-    return np.empty((corners, EDGES + 1, 4)), np.empty(corners, np.int64)
+    return np.empty((corners, ROUNDING + 1, 4)), np.empty(corners, np.int64)
 
 
 @kernel(fastmath=True)
@@ -28,7 +28,7 @@ def support(
         return False
     x0, x1, x2, x3 = lp[CUBIC, 0], lp[CUBIC, 1], lp[CUBIC, 2], lp[CUBIC, 3]
     s[0, 0], s[0, 1], s[0, 2], s[0, 3] = x0 + x1 + x2 + x3, x1 + 2.0 * x2 + 3.0 * x3, dv, dm
-    for r in range(EDGES):
+    for r in range(ROUNDING):
         for a in range(4):
             s[1 + r, a] = lp[r, a]
     return True
@@ -37,7 +37,7 @@ def support(
 @kernel
 def take_basis(lp: np.ndarray, s: np.ndarray) -> None:
     """Go on from the basis of a support."""
-    for r in range(EDGES):
+    for r in range(ROUNDING):
         for a in range(4):
             lp[r, a] = s[1 + r, a]
 

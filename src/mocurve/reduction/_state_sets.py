@@ -198,13 +198,13 @@ def best_source(
 
 @kernel
 def forward(
-    middle: np.ndarray, half: np.ndarray, width: int, stride: int, most: int
+    middle: np.ndarray, half: np.ndarray, rounding: float, width: int, stride: int, most: int
 ) -> tuple[np.ndarray, np.ndarray, int]:
     """Search to the last frame. Returns nodes (N, 2 + M), polygons (N, M, CORNERS, 2) and the last node."""
     members, n = middle.shape
     nodes, corners = np.empty((64, COUNTS + members), np.int64), np.empty((64, members, CORNERS, 2))
     supports, order = new_supports(CORNERS)
-    room = new_program(CORNERS), supports, order, np.empty((2 * CORNERS, 2))
+    room = new_program(CORNERS, rounding), supports, order, np.empty((2 * CORNERS, 2))
     ahead = np.empty(4 * width, np.int64)
     nodes[0, FRAME], nodes[0, PARENT] = 0, -1
     free_states(middle, half, 0, nodes[0, COUNTS:], corners[0])

@@ -26,13 +26,16 @@ CENTRE = 3
 HALF = 4
 CUBIC = 5  # where the four strips meet
 INVERSE = 6  # 4 rows: the inverse of the matrix of their rows
-EDGES = 10  # from here, one row for each edge of the start polygon: normal, centre, half
+ROUNDING = 10  # what rounding may add to an error
+EDGES = 11  # from here, one row for each edge of the start polygon: normal, centre, half
 
 
 @kernel
-def new_program(corners: int) -> np.ndarray:
+def new_program(corners: int, rounding: float) -> np.ndarray:
     """Room for a program that starts from polygons of up to `corners` corners."""
-    return np.empty((EDGES + corners, 4))
+    lp = np.empty((EDGES + corners, 4))
+    lp[ROUNDING, 0] = rounding
+    return lp
 
 
 @kernel(fastmath=True)
@@ -112,7 +115,7 @@ def most_broken(
     """The strip that the cubic exceeds most (in value), and its signed error there; 0.0 if all hold."""
     x0, x1, x2, x3 = lp[CUBIC, 0], lp[CUBIC, 1], lp[CUBIC, 2], lp[CUBIC, 3]
     base = x0 + y[i]
-    worst, at, error = 0.0, 0, 0.0
+    worst, at, error = lp[ROUNDING, 0], 0, 0.0
     for f in range(i + 1, j + 1):
         t = (f - i) * per_span
         e = base - y[f] + t * (x1 + t * (x2 + t * x3))
@@ -124,7 +127,7 @@ def most_broken(
         over = abs(e) - lp[EDGES + a, 3] * (1.0 + SLACK)
         if over > worst:
             worst, at, error = over, -1 - a, e
-    return at, worst if error > 0.0 else -worst
+    return at, 0.0 if error == 0.0 else worst if error > 0.0 else -worst
 
 
 @kernel(fastmath=True)

@@ -18,16 +18,22 @@ SETTINGS = {"fast": (2, 20, 5), "default": (3, 15, 5), "good": (5, 10, 6), "best
 
 
 @kernel
-def safe_half(middle: np.ndarray, half: np.ndarray) -> np.ndarray:
-    """Half-widths less a reserve for rounding, of the width and of the largest value; at least a half of the width."""
-    largest = 0.0
+def largest(middle: np.ndarray) -> float:
+    """Largest absolute value."""
+    found = 0.0
     for m in range(middle.shape[0]):
         for f in range(middle.shape[1]):
-            largest = max(largest, abs(middle[m, f]))
+            found = max(found, abs(middle[m, f]))
+    return found
+
+
+@kernel
+def safe_half(half: np.ndarray, rounding: float) -> np.ndarray:
+    """Half-widths less a reserve for rounding, of the width and of the values; at least a half of the width."""
     out = np.empty_like(half)
     for m in range(half.shape[0]):
         for f in range(half.shape[1]):
-            out[m, f] = max(0.5 * half[m, f], half[m, f] * (1.0 - MARGIN) - 4e-15 * largest)
+            out[m, f] = max(0.5 * half[m, f], half[m, f] * (1.0 - MARGIN) - 4.0 * rounding)
     return out
 
 
@@ -49,8 +55,9 @@ def search(
     middle: np.ndarray, half: np.ndarray, width: int, stride: int, most: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Keys for at least two frames: frames (K,), values and slopes (M, K), and whether each segment fails (K - 1,)."""
-    safe = safe_half(middle, half)
-    nodes, corners, last = forward(middle, safe, width, stride, most)
+    rounding = 1e-15 * largest(middle)
+    safe = safe_half(half, rounding)
+    nodes, corners, last = forward(middle, safe, rounding, width, stride, most)
     frames, values, slopes = backward(middle, half, nodes, corners, last)
     failed = np.zeros(len(frames) - 1, np.bool_)
     for q in range(len(frames) - 1):
