@@ -66,7 +66,7 @@ def _drawn(
     unit = "degrees" if keyed.skeleton.rotation_channels[column] else "length units"
     _frame(ImageDraw.Draw(image), axes, letter, f"{channel} ({unit})")
     thick = max(1, width // 1200)
-    inside = tuple(round(edge + side * 7 * thick) for edge, side in zip(box, (-1, -1, 1, 1), strict=True))
+    left, top, right, bottom = (round(e + s * 7 * thick) for e, s in zip(box, (-1, -1, 1, 1), strict=True))
     bare, draw = image.copy(), ImageDraw.Draw(image)
     draw.line(axes(times, samples), SAMPLES, 3 * thick, joint="curve")
     draw.line(axes(fine, smooth), CURVE, 2 * thick, joint="curve")
@@ -77,7 +77,7 @@ def _drawn(
         draw.circle(at, 3 * thick, HANDLE)
     for at in axes(curve.times, curve.values):
         draw.circle(at, 6 * thick, KEY, PAPER, thick)
-    bare.paste(image.crop(inside), inside[:2])  # without what leaves the box: handles of steep keys
+    bare.paste(image.crop((left, top, right, bottom)), (left, top))  # without what leaves the box: handles of steep keys
     legend = [(SAMPLES, f"{len(samples)} samples"), (CURVE, "curve"), (KEY, f"{len(curve)} keys"), (HANDLE, "tangents")]
     _legend(ImageDraw.Draw(bare), legend, box, letter)
     return bare

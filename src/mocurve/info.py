@@ -113,7 +113,7 @@ def unit_of(motion: Motion) -> Unit:
         return Unit(said, names[0] if names else f"{said:g} m", True)
     height = rest_height(motion)
     if not height > 0:
-        raise OptionError("the rest pose has no height to guess the length unit from: set it with unit=")
+        raise OptionError("the rest pose has no height to guess the length unit from: say it with the option unit")
     name = min(UNITS, key=lambda name: abs(np.log(height * UNITS[name] / PERSON_METRES)))
     return Unit(UNITS[name], name, False)
 

@@ -35,7 +35,8 @@ class HermiteCurve:
         for name in ("times", "values", "slopes"):
             object.__setattr__(self, name, frozen(np.array(getattr(self, name), np.float64).reshape(-1)))
         arriving = self.slopes if self.in_slopes is None else frozen(np.array(self.in_slopes, np.float64).reshape(-1))
-        object.__setattr__(self, "in_slopes", arriving)
+        same = np.array_equal(arriving, self.slopes)
+        object.__setattr__(self, "in_slopes", self.slopes if same else arriving)
         if not len(self.times) == len(self.values) == len(self.slopes) == len(self.in_slopes):
             raise Mismatch("times, values and slopes of a curve differ in length")
         if not (np.diff(self.times) > 0).all():

@@ -27,9 +27,7 @@ METRES = {"mm": 0.001, "cm": 0.01, "m": 1.0, "in": 0.0254, "inch": 0.0254, "ft":
 WORLD_UNITS = (*METRES, "u", "%height")
 CHANNEL_UNITS = ("deg", "%range")
 
-_RULE = re.compile(
-    r"(?:(?P<name>[^@]*?)(?:@(?P<start>[^.@]*(?:\.\d+)?)\.\.(?P<end>[^@]*))?=)?(?P<amount>[^=]+)", re.DOTALL
-)
+_RULE = re.compile(r"(?:(?P<name>[^@]*?)(?:@(?P<start>[^@]*?)\.\.(?P<end>[^@]*))?=)?(?P<amount>[^=]+)", re.DOTALL)
 _AMOUNT = re.compile(r"\s*(?P<number>[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(?P<unit>%?\s*[A-Za-z]+)\s*")
 
 
@@ -83,8 +81,8 @@ def resolve(rules: Sequence[Rule], motion: Motion) -> Limits:
     for rule in rules:
         frames = _frames(rule, motion)
         if rule.in_world:
-            for joint in _chosen(rule, skeleton.names, skeleton.names, "joint"):
-                joints[joint, frames] = length(rule, motion)
+            chosen = _chosen(rule, skeleton.names, skeleton.names, "joint")
+            joints[np.ix_(chosen, frames)] = length(rule, motion)
         else:
             owners = [skeleton.names[joint] for joint in skeleton.channel_joints]
             for channel in _chosen(rule, skeleton.channel_names, owners, "joint or channel"):
@@ -104,7 +102,7 @@ def length(rule: Rule, motion: Motion) -> float:
     unit = unit_of(motion)
     if not unit.said:
         warnings.warn(
-            f"the file does not say its length unit; its rest height suggests {unit.name} (set it with unit=)",
+            f"the file does not say its length unit; its rest height suggests {unit.name} (the option unit says it)",
             stacklevel=5,
         )
     return rule.amount * METRES[rule.unit] / unit.metres
@@ -140,8 +138,9 @@ def _frames(rule: Rule, motion: Motion) -> np.ndarray:
     if rule.end is not None:
         inside &= times <= rule.end + 1e-9
     if not inside.any() and motion.frames:
+        end = motion.duration if rule.end is None else rule.end
         raise OptionError(
-            f"no frame lies from {rule.start or 0:g} to {rule.end:g} s; the clip ends at {motion.duration:g} s"
+            f"no frame lies from {rule.start or 0:g} to {end:g} s; the clip ends at {motion.duration:g} s"
         )
     return inside
 

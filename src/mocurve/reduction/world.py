@@ -277,7 +277,7 @@ def _start(
     share = SHARE
     while True:
         room = np.minimum(share * alone, cap)
-        bands = [(scene.original[group], room[group]) for group in groups]
+        bands: list[Tube] = [(scene.original[group], room[group]) for group in groups]
         keys = list(threads.map(lambda band: group_keys(*band, solve, "fast"), bands))
         worst = take(scene, groups, keys)
         if worst <= 1.0 or share < LEAST_SHARE:
