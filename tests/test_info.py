@@ -106,7 +106,7 @@ def test_a_unit_that_was_said_is_no_guess(metres: float, name: str) -> None:
 
 def test_without_a_height_no_unit_is_guessed() -> None:
     flat = body(ROTATIONS, ROTATIONS, height=0.0)
-    with pytest.raises(OptionError, match="no height to guess the length unit from: set it with unit="):
+    with pytest.raises(OptionError, match="no height to guess the length unit from: say it with the option unit"):
         info.unit_of(flat)
     assert info.inspect(flat).unit is None
     said = replace(flat, skeleton=replace(flat.skeleton, unit=1.0))

@@ -54,7 +54,7 @@ def problem(clip: Clip, tolerance: Sequence[str] | None, align: str, feet: float
 
 def known(kind: str, name: str, names: Any) -> None:
     """UnknownName where the name is none of the names."""
-    if name not in names:
+    if not isinstance(name, str) or name not in names:
         raise UnknownName(kind, str(name), names)
 
 

@@ -19,7 +19,7 @@ from . import dynamic, split, world
 from .bound import lower_bound
 from .keys import Keys
 from .problem import Problem, curves, held, known, problem
-from .tolerance import DEFAULT
+from .tolerance import DEFAULT, parse
 
 
 class Method(NamedTuple):
@@ -76,6 +76,7 @@ def reduce(
     started = perf_counter()
     known("method", method, METHODS)
     known("quality", quality, QUALITIES)
+    parse(tolerance)  # refused before work is done
     texts = [tolerance] if isinstance(tolerance, str) else list(tolerance)
     step = {"verb": "reduce", "tolerance": texts, "method": method, "align": align, "quality": quality, "feet": feet}
     if ratio is not None:

@@ -226,10 +226,14 @@ def limbs(motion: Motion, groups: list[np.ndarray]) -> list[list[int]]:
 
 def _side_by_side(threads: ThreadPoolExecutor, parts: list[list[int]], work: Callable[[int], None]) -> None:
     """work(g) for every group: limbs in threads, then the trunk. The result is the same however the threads run."""
-    for done in threads.map(lambda part: [work(g) for g in part], parts[:-1]):
-        del done  # waited for, and its error raised
-    for g in parts[-1]:
-        work(g)
+
+    def in_turn(part: list[int]) -> None:
+        for g in part:
+            work(g)
+
+    for running in [threads.submit(in_turn, part) for part in parts[:-1]]:
+        running.result()
+    in_turn(parts[-1])
 
 
 def problem(motion: Motion, limits: Limits) -> tuple[Scene, np.ndarray, np.ndarray]:
@@ -277,8 +281,8 @@ def _start(
     share = SHARE
     while True:
         room = np.minimum(share * alone, cap)
-        bands: list[Tube] = [(scene.original[group], room[group]) for group in groups]
-        keys = list(threads.map(lambda band: group_keys(*band, solve, "fast"), bands))
+        samples, bands = [scene.original[group] for group in groups], [room[group] for group in groups]
+        keys = list(threads.map(partial(group_keys, solve=solve, quality="fast"), samples, bands))
         worst = take(scene, groups, keys)
         if worst <= 1.0 or share < LEAST_SHARE:
             return keys
