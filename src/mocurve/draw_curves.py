@@ -77,7 +77,7 @@ def _drawn(
         draw.circle(at, 3 * thick, HANDLE)
     for at in axes(curve.times, curve.values):
         draw.circle(at, 6 * thick, KEY, PAPER, thick)
-    bare.paste(image.crop((left, top, right, bottom)), (left, top))  # without what leaves the box: handles of steep keys
+    bare.paste(image.crop((left, top, right, bottom)), (left, top))  # without handles that leave the box
     legend = [(SAMPLES, f"{len(samples)} samples"), (CURVE, "curve"), (KEY, f"{len(curve)} keys"), (HANDLE, "tangents")]
     _legend(ImageDraw.Draw(bare), legend, box, letter)
     return bare
