@@ -138,10 +138,8 @@ def _frames(rule: Rule, motion: Motion) -> np.ndarray:
     if rule.end is not None:
         inside &= times <= rule.end + 1e-9
     if not inside.any() and motion.frames:
-        end = motion.duration if rule.end is None else rule.end
-        raise OptionError(
-            f"no frame lies from {rule.start or 0:g} to {end:g} s; the clip ends at {motion.duration:g} s"
-        )
+        until = "on" if rule.end is None else f"to {rule.end:g} s"
+        raise OptionError(f"no frame lies from {rule.start or 0:g} s {until}; the clip ends at {motion.duration:g} s")
     return inside
 
 
