@@ -23,6 +23,13 @@ def design(frames, count):
     return np.column_stack(columns)
 
 
+def refitted(frames, middle, half, sweeps):
+    """Values, slopes and largest error of a refit that holds no state."""
+    states = np.full((len(frames), 2), np.nan)
+    worst = refit(frames, states, False, False, middle, half, sweeps)
+    return states[:, 0], states[:, 1], worst
+
+
 @pytest.fixture
 def band():
     rng = np.random.default_rng(1)
@@ -32,7 +39,7 @@ def band():
 
 def test_a_refit_is_the_weighted_least_squares_solution(band):
     y, half = band
-    values, slopes, worst = refit(FRAMES, y, half, 0)
+    values, slopes, worst = refitted(FRAMES, y, half, 0)
     rows = design(FRAMES, 400) / half[:, None]
     dense = np.linalg.lstsq(rows, y / half, rcond=None)[0]
     np.testing.assert_allclose(values, dense[0::2], atol=2e-3)  # the pull towards the chords moves it this much
@@ -43,7 +50,8 @@ def test_a_refit_is_the_weighted_least_squares_solution(band):
 
 def test_sweeps_never_make_the_largest_error_larger(band):
     y, half = band
-    worst = [refit(FRAMES, y, 0.01 * half, sweeps)[2] for sweeps in range(6)]
+    part = 0.5 * refitted(FRAMES, y, half, 0)[2]  # a band that the first solution leaves, and not by far
+    worst = [refitted(FRAMES, y, part * half, sweeps)[2] for sweeps in range(6)]
     assert all(later <= earlier for earlier, later in pairwise(worst))
     assert worst[-1] < worst[0]
 
@@ -53,10 +61,25 @@ def test_a_curve_made_of_the_same_keys_comes_back(offset):
     rng = np.random.default_rng(3)
     values, slopes = rng.normal(size=7) + offset, 0.1 * rng.normal(size=7)
     y = hermite.evaluate(FRAMES.astype(float), values, slopes, np.arange(400.0))
-    found = refit(FRAMES, y, np.full(400, 1e-3), 3)
+    found = refitted(FRAMES, y, np.full(400, 1e-3), 3)
     assert found[2] <= 1.0
     np.testing.assert_allclose(found[0], values, atol=1e-3)
     np.testing.assert_allclose(found[1], slopes, atol=1e-3)
+
+
+def test_held_states_stay_and_the_rest_makes_up_for_them(band):
+    y, half = band
+    states = np.zeros((len(FRAMES), 2))
+    states[0], states[-1] = (y[0] + 1.0, 0.5), (y[-1] - 1.0, -0.5)
+    refit(FRAMES, states, True, True, y, 5 * half, 0)
+    assert tuple(states[0]) == pytest.approx((y[0] + 1.0, 0.5))
+    assert tuple(states[-1]) == pytest.approx((y[-1] - 1.0, -0.5))
+    rows, target = design(FRAMES, 400) / half[:, None], y / half
+    held = [0, 1, 2 * len(FRAMES) - 2, 2 * len(FRAMES) - 1]
+    free = np.setdiff1d(np.arange(2 * len(FRAMES)), held)
+    flat = states.reshape(-1)
+    dense = np.linalg.lstsq(rows[:, free], target - rows[:, held] @ flat[held], rcond=None)[0]
+    np.testing.assert_allclose(flat[free], dense, atol=5e-3)
 
 
 def test_fitted_slopes_are_the_least_squares_ones_with_values_held(band):
@@ -77,5 +100,5 @@ def test_keys_on_all_frames_take_the_slopes_of_the_chords():
 def test_a_single_key_lies_still():
     y = np.array([1.0])
     np.testing.assert_array_equal(fit_slopes(np.array([0]), y[:1], y[:1], np.ones(1)), [0.0])
-    values, slopes, worst = refit(np.array([0]), y[:1], np.ones(1), 2)
+    values, slopes, worst = refitted(np.array([0]), y[:1], np.ones(1), 2)
     assert (values, slopes, worst) == (1.0, 0.0, 0.0)

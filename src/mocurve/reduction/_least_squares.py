@@ -11,6 +11,7 @@ import numpy as np
 from .._jit import kernel
 
 STIFFNESS = 1e-6  # pull of each slope towards its segment's chord, against frames that do not determine it
+HOPELESS = (3.0, 2.0, np.inf)  # a fit that far out of its band after the first, second solution is given up
 LAWSON_FLOOR = 0.05  # added to the error by which a sweep multiplies a weight, so that no frame is ever forgotten
 
 
@@ -82,13 +83,14 @@ def solve_band(band: np.ndarray, right: np.ndarray) -> None:
 
 
 @kernel(fastmath=True)
-def errors(frames: np.ndarray, values: np.ndarray, slopes: np.ndarray, y: np.ndarray, out: np.ndarray) -> None:
-    """|curve - y| at every frame from the first key to the last, into out (F,)."""
+def errors(frames: np.ndarray, states: np.ndarray, y: np.ndarray, out: np.ndarray) -> None:
+    """|curve - y| at every frame, from the first key to the last, into out (F,); states (2K,): value, slope, value …"""
+    out[0] = abs(states[0] - y[0])
     for q in range(len(frames) - 1):
         a, h = frames[q], frames[q + 1] - frames[q]
-        va, ma = values[q], h * slopes[q]
-        c2 = 3.0 * (values[q + 1] - va) - 2.0 * ma - h * slopes[q + 1]
-        c3 = 2.0 * (va - values[q + 1]) + ma + h * slopes[q + 1]
+        va, ma, vb, mb = states[2 * q], h * states[2 * q + 1], states[2 * q + 2], h * states[2 * q + 3]
+        c2 = 3.0 * (vb - va) - 2.0 * ma - mb
+        c3 = 2.0 * (va - vb) + ma + mb
         for f in range(a, a + h + 1):
             s = (f - a) / h
             out[f] = abs(va + s * (ma + s * (c2 + s * c3)) - y[f])
@@ -96,36 +98,57 @@ def errors(frames: np.ndarray, values: np.ndarray, slopes: np.ndarray, y: np.nda
 
 @kernel
 def refit(
-    frames: np.ndarray, middle: np.ndarray, half: np.ndarray, sweeps: int
-) -> tuple[np.ndarray, np.ndarray, float]:
-    """Values and slopes (per frame) of the C1 Hermite curve with the key frames (K,) nearest to middle (F,).
+    frames: np.ndarray,
+    states: np.ndarray,
+    hold_first: bool,
+    hold_last: bool,
+    middle: np.ndarray,
+    half: np.ndarray,
+    sweeps: int,
+) -> float:
+    """The C1 Hermite curve with the key frames (K,) nearest to middle (F,), weight 1/half²: states (K, 2), written.
 
-    Weight 1/half²; `sweeps` more solutions with Lawson's weights (each times its error) draw the largest error down,
-    up to the first that is inside the band. Returns the best: values, slopes (K,), largest |curve - middle| / half.
+    A state is value and slope per frame; that of the first and last key may be held. `sweeps` more solutions with
+    Lawson's weights (each times its error) draw the largest error down, up to the first that is inside the band. Keeps
+    the best and returns its largest |curve - middle| / half. Frames count from the first key.
     """
     keys, n = len(frames), len(middle)
-    values, slopes = middle[frames], np.zeros(keys)
-    if keys < 2:
-        return values, slopes, np.max(np.abs(middle - values[0]) / half)
-    band, right, error = np.empty((2 * keys, 4)), np.empty(2 * keys), np.empty(n)
-    base = middle[frames[0]]  # counted from here: offsets of a million leave the digits to the shape
-    y = middle - base
-    weights = (half.min() / half) ** 2 + 1e-12
+    band, right = np.empty((2 * keys, 4)), np.empty(2 * keys)
+    weights, error, y = np.empty(n), np.empty(n), np.empty(n)
+    base = middle[0]  # counted from here: offsets of a million leave the digits to the shape
+    thinnest = np.inf
+    for f in range(n):
+        y[f] = middle[f] - base
+        thinnest = min(thinnest, half[f])
+    for f in range(n):
+        weights[f] = (thinnest / half[f]) ** 2 + 1e-12
     best = np.inf
-    for _ in range(sweeps + 1):
+    for sweep in range(sweeps + 1):
         normal_equations(frames, y, weights, band, right)
+        for i in range(2):
+            if hold_first:
+                hold(band, right, i, states[0, i] - (base if i == 0 else 0.0))
+            if hold_last:
+                hold(band, right, 2 * keys - 2 + i, states[keys - 1, i] - (base if i == 0 else 0.0))
         solve_band(band, right)
-        errors(frames, right[0::2], right[1::2], y, error)
-        worst = np.max(error / half)
+        errors(frames, right, y, error)
+        worst = 0.0
+        for f in range(n):
+            error[f] /= half[f]
+            worst = max(worst, error[f])
         if worst < best:
             best = worst
-            values, slopes = right[0::2] + base, right[1::2].copy()
-        if best <= 1.0:
+            for q in range(keys):
+                states[q, 0], states[q, 1] = right[2 * q] + base, right[2 * q + 1]
+        if best <= 1.0 or worst > HOPELESS[min(sweep, 2)]:
             break
-        weights *= error / half + LAWSON_FLOOR * worst
-        weights *= 1.0 / weights.max()
-        weights += 1e-12
-    return values, slopes, best
+        largest = 0.0
+        for f in range(n):
+            weights[f] *= error[f] + LAWSON_FLOOR * worst
+            largest = max(largest, weights[f])
+        for f in range(n):
+            weights[f] = weights[f] / largest + 1e-12
+    return best
 
 
 @kernel

@@ -12,14 +12,13 @@ from typing import NamedTuple
 import numpy as np
 
 from .._jit import kernel
-from ._least_squares import errors, hold, normal_equations, refit, solve_band
+from ._least_squares import refit
 from ._tubes import Body, narrow, turn
 
 STILL = 1e-12  # changes smaller than this are rounding, and left out
 THIN = 1e-9  # least half-width of a tube: degrees or length
 SWEEPS = 2  # Lawson sweeps of a fit inside a tube
 SPAN = 3  # keys to either side of a key that is taken out, whose states may move
-HOPELESS = (3.0, 2.0)  # a fit that far out of the tube after the first, second sweep is given up
 
 
 class Scene(NamedTuple):
@@ -40,7 +39,8 @@ def sampled(frames, values, slopes, arriving, out):
     """Samples of a Hermite curve at every frame between its first key and its last, into out; a single key is a
     constant."""
     if len(frames) == 1:
-        out[:] = values[0]
+        for f in range(len(out)):
+            out[f] = values[0]
     for q in range(len(frames) - 1):
         a, h = frames[q], frames[q + 1] - frames[q]
         va, ma = values[q], h * slopes[q]
@@ -80,111 +80,91 @@ def put(scene, k, new, begin, end):
 
 
 @kernel
+def settle(scene, k, frames, states, hold_first, hold_last, near):
+    """Draw channel k's curve between its key frames (K,) to the middle of its tube, and everything below it along.
+
+    states (K, 2): value and slope per frame, written; those of the first and last key may be held. False, and nothing
+    changed in the scene, where the curve would leave the tube: the states are then of no use."""
+    n, begin, end = scene.samples.shape[1], frames[0], frames[-1] + 1
+    middle, half = np.empty(n), np.empty(n)
+    tube(scene, k, near, begin, end, middle, half)
+    local = np.empty_like(frames)
+    for q in range(len(frames)):
+        local[q] = frames[q] - begin
+    if refit(local, states, hold_first, hold_last, middle[begin:end], half[begin:end], SWEEPS) > 1.0:
+        return False
+    sampled(frames, states[:, 0], states[:, 1], states[:, 1], middle)
+    put(scene, k, middle, begin, end)
+    return True
+
+
+@kernel
 def centre(scene, k, frames, values, slopes, near):
-    """Draw channel k's curve to the middle of its tube, same key frames, states written in place: it makes up for the
-    others' error."""
-    n = scene.samples.shape[1]
-    middle, half, new = np.empty(n), np.empty(n), np.empty(n)
-    tube(scene, k, near, 0, n, middle, half)
-    v, m, worst = refit(frames, middle, half, SWEEPS)
-    if worst <= 1.0:
-        values[:], slopes[:] = v, m
-        sampled(frames, v, m, m, new)
-        put(scene, k, new, 0, n)
+    """Draw channel k's curve to the middle of its tube, key frames (K,) kept: it makes up for the others' error."""
+    states = np.empty((len(frames), 2))
+    if settle(scene, k, frames, states, False, False, near):
+        for q in range(len(frames)):
+            values[q], slopes[q] = states[q, 0], states[q, 1]
 
 
 @kernel
-def fit_window(frames, values, slopes, hold_left, hold_right, middle, half):
-    """Weighted least squares like `refit`, on a window: frames (K,) counted from it; the state of the first or last
-    key may be held.
+def try_window(scene, members, kept, lo, hi, frames, values, slopes, near, states):
+    """Put the key frames `kept` in place of keys lo to hi for all members, leaves first, each inside its tube.
 
-    Writes values and slopes, returns the largest |curve - middle| / half; above 1 they are of no use."""
-    keys = len(frames)
-    band, right, error = np.empty((2 * keys, 4)), np.empty(2 * keys), np.empty(len(middle))
-    base = middle[0]
-    y = middle - base
-    weights = (half.min() / half) ** 2 + 1e-12
-    worst = np.inf
-    for sweep in range(SWEEPS + 1):
-        normal_equations(frames, y, weights, band, right)
-        if hold_left:
-            hold(band, right, 0, values[0] - base)
-            hold(band, right, 1, slopes[0])
-        if hold_right:
-            hold(band, right, 2 * keys - 2, values[-1] - base)
-            hold(band, right, 2 * keys - 1, slopes[-1])
-        solve_band(band, right)
-        errors(frames, right[0::2], right[1::2], y, error)
-        worst = np.max(error / half)
-        if worst <= 1.0:
-            values[:], slopes[:] = right[0::2] + base, right[1::2]
-            return worst
-        if sweep < len(HOPELESS) and worst > HOPELESS[sweep]:
-            return worst
-        weights *= error / half + 0.05 * worst
-        weights *= 1.0 / weights.max()
-        weights += 1e-12
-    return worst
-
-
-@kernel
-def try_window(scene, members, kept, lo, hi, frames, values, slopes, near):
-    """Put the key frames `kept` in place of keys lo to hi for all members, leaves first, each inside its tube as it
-    then is.
-
-    Returns the new states (members, len(kept), 2) and True, or puts everything back as it was and returns False."""
-    begin, end = frames[lo], frames[hi] + 1
-    n, keys = scene.samples.shape[1], len(frames)
-    states = np.empty((len(members), len(kept), 2))
-    before = np.empty((len(members), end - begin))
-    middle, half, new = np.empty(n), np.empty(n), np.empty(n)
-    local = kept - begin
+    Writes the new states (M, len(kept), 2) and returns True, or puts everything back as it was and returns False."""
+    begin, end, last = frames[lo], frames[hi] + 1, len(kept) - 1
+    before = np.empty((len(members), scene.samples.shape[1]))
     for i in range(len(members) - 1, -1, -1):
-        k = members[i]
-        before[i] = scene.samples[k, begin:end]
-        v, m = np.empty(len(kept)), np.empty(len(kept))
-        v[0], m[0], v[-1], m[-1] = values[i, lo], slopes[i, lo], values[i, hi], slopes[i, hi]
-        tube(scene, k, near, begin, end, middle, half)
-        if fit_window(local, v, m, lo > 0, hi < keys - 1, middle[begin:end], half[begin:end]) > 1.0:
+        for f in range(begin, end):
+            before[i, f] = scene.samples[members[i], f]
+        states[i, 0, 0], states[i, 0, 1] = values[i, lo], slopes[i, lo]
+        states[i, last, 0], states[i, last, 1] = values[i, hi], slopes[i, hi]
+        if not settle(scene, members[i], kept, states[i, : last + 1], lo > 0, hi < len(frames) - 1, near):
             for back in range(i + 1, len(members)):
-                new[begin:end] = before[back]
-                put(scene, members[back], new, begin, end)
-            return states, False
-        sampled(kept, v, m, m, new)
-        put(scene, k, new, begin, end)
-        states[i, :, 0], states[i, :, 1] = v, m
-    return states, True
+                put(scene, members[back], before[back], begin, end)
+            return False
+    return True
+
+
+@kernel
+def without(frames, q, merge, lo, hi):
+    """Key frames lo to hi less key q; merge: less keys q and q + 1, with one in the middle between them."""
+    kept = np.empty(hi - lo, np.int64)
+    c = 0
+    for r in range(lo, hi + 1):
+        if r != q and not (merge and r == q + 1):
+            kept[c] = frames[r]
+            c += 1
+        elif merge and r == q:
+            kept[c] = (frames[q] + frames[q + 1]) // 2
+            c += 1
+    return kept
 
 
 @kernel
 def prune(scene, members, frames, values, slopes, near):
-    """Take out keys that the members (M,) of a group can do without, or put one in the middle for two: returns frames,
-    values, slopes.
+    """Take out keys that the members (M,) of a group can do without, or put one in the middle for two.
 
-    Exact for any group: each trial moves its members one after the other, and is undone where one of them leaves its
-    tube."""
-    frames, values, slopes = frames.copy(), values.copy(), slopes.copy()
-    q = 1
-    while q < len(frames) - 1:
+    Works in frames (K,), values and slopes (M, K) and returns how many keys are left at their start. Exact for any
+    group: each trial moves its members one after the other, and is undone where one of them would leave its tube."""
+    count, q = len(frames), 1
+    states = np.empty((len(members), 2 * SPAN + 2, 2))
+    while q < count - 1:
         done = False
-        for merge in range(2):
-            if merge and q + 1 >= len(frames) - 1:
-                break
-            lo, hi = max(0, q - SPAN), min(len(frames) - 1, q + merge + SPAN)
-            kept = np.empty(hi - lo, np.int64)
-            c = 0
-            for r in range(lo, hi + 1):
-                if r != q and not (merge and r == q + 1):
-                    kept[c] = frames[r]
-                    c += 1
-                elif merge and r == q:
-                    kept[c] = (frames[q] + frames[q + 1]) // 2
-                    c += 1
-            states, done = try_window(scene, members, kept, lo, hi, frames, values, slopes, near)
-            if done:
-                frames = np.concatenate((frames[:lo], kept, frames[hi + 1 :]))
-                values = np.concatenate((values[:, :lo], states[:, :, 0], values[:, hi + 1 :]), axis=1)
-                slopes = np.concatenate((slopes[:, :lo], states[:, :, 1], slopes[:, hi + 1 :]), axis=1)
-                break
+        for merge in (False, True):
+            if done or (merge and q + 1 >= count - 1):
+                continue
+            lo, hi = max(0, q - SPAN), min(count - 1, q + int(merge) + SPAN)
+            kept = without(frames, q, merge, lo, hi)
+            done = try_window(scene, members, kept, lo, hi, frames[:count], values, slopes, near, states)
+            if not done:
+                continue
+            for r in range(lo, count - 1):
+                inside = r < lo + len(kept)
+                frames[r] = kept[r - lo] if inside else frames[r + 1]
+                for i in range(len(members)):
+                    values[i, r] = states[i, r - lo, 0] if inside else values[i, r + 1]
+                    slopes[i, r] = states[i, r - lo, 1] if inside else slopes[i, r + 1]
+            count -= 1
         q = max(1, q - 1) if done else q + 1
-    return frames, values, slopes
+    return count

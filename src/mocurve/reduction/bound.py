@@ -48,12 +48,14 @@ def exchange(at: np.ndarray, f: int, sign: float, first_sign: float) -> bool:
     """Put frame f, where the error has `sign`, among the five, signs still alternating. False if it is one of them."""
     if f < at[0]:
         if sign != first_sign:
-            at[1:] = at[:4].copy()
+            for k in range(4, 0, -1):
+                at[k] = at[k - 1]
         at[0] = f
         return True
     if f > at[4]:
         if sign != first_sign:  # the fifth frame has the sign of the first
-            at[:4] = at[1:].copy()
+            for k in range(4):
+                at[k] = at[k + 1]
         at[4] = f
         return True
     k = 0

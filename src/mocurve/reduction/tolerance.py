@@ -82,7 +82,7 @@ def resolve(rules: Sequence[Rule], motion: Motion) -> Limits:
         frames = _frames(rule, motion)
         if rule.in_world:
             chosen = _chosen(rule, skeleton.names, skeleton.names, "joint")
-            joints[np.ix_(chosen, frames)] = length(rule, motion)
+            joints[np.ix_(np.array(chosen), frames)] = length(rule, motion)
         else:
             owners = [skeleton.names[joint] for joint in skeleton.channel_joints]
             for channel in _chosen(rule, skeleton.channel_names, owners, "joint or channel"):

@@ -325,7 +325,9 @@ def _search(scene: Scene, group: np.ndarray, keys: Keys, near: np.ndarray, solve
 def _prune(scene: Scene, group: np.ndarray, keys: Keys, near: np.ndarray) -> Keys:
     if keys.in_slopes is not None:
         return keys
-    return Keys(*prune(scene, group, keys.frames, keys.values, keys.slopes, near))
+    frames, values, slopes = keys.frames.copy(), keys.values.copy(), keys.slopes.copy()
+    count = prune(scene, group, frames, values, slopes, near)
+    return Keys(frames[:count], values[:, :count].copy(), slopes[:, :count].copy())
 
 
 def group_keys(middle: np.ndarray, half: np.ndarray, solve: Solve, quality: str) -> Keys:
