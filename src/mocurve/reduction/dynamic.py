@@ -28,6 +28,7 @@ LEAST_GAIN = 1e-3  # two rounds in a row that lessen the squared error by a smal
 FORGIVEN = 0.3  # measured: 2.5-2.7 times the lower bound of keys, 3-8 times with light smoothing
 SIGMA = 1.0  # frames: the light smoothing before derivatives are taken
 ROUNDING = 1e-13  # of the largest value: a smaller second difference is none
+LEAST_WIDTH = 1e-100  # a band of no width: products of two quotients by it are still numbers
 STEEP = 4.0  # slope window: so many value windows over the frames to the nearest key
 
 
@@ -66,7 +67,7 @@ def initial_keys(middle: np.ndarray, half: np.ndarray | None = None) -> Keys:
             break
         smooth, sigma = wider, 2 * sigma
     slopes = np.gradient(smooth, axis=1) if count > 1 else np.zeros_like(smooth)
-    scale = 1.0 if half is None else half.mean(axis=1, keepdims=True)
+    scale = 1.0 if half is None else np.maximum(half.mean(axis=1, keepdims=True), LEAST_WIDTH)
     bends = np.diff(smooth, 2, axis=1)
     bends[np.abs(bends) <= ROUNDING * np.abs(smooth).max(axis=1, keepdims=True)] = 0.0
     turning = _signs((slopes[:, 1:-1] / scale * bends / scale).sum(axis=0))

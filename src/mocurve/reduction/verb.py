@@ -98,10 +98,10 @@ def refine(keys: KeyedMotion, clip: Clip) -> KeyedMotion:
     """The same number of keys, moved in time, value and slope until they follow the clip better: Önder 2007, section
     3.1, as polish.
 
-    Without a promise in space the squared error of no channel grows; with one, every curve is drawn towards the middle
-    of what the promise leaves it, and the RMS error in space does not grow. A promise that `reduce` made and that
-    holds against this clip still holds. Key times that channels share stay shared. Mismatch where keys and clip have
-    different skeletons or lengths, or a key lies between two frames.
+    Without a promise in space the squared error of no channel grows, or its sum over channels that share their times;
+    with one, every curve is drawn towards the middle of what the promise leaves it, and the RMS error in space does not
+    grow. A promise that `reduce` made and that holds against this clip still holds. Shared key times stay shared.
+    Mismatch where keys and clip have different skeletons or lengths, or a key lies between two frames.
 
     >>> mc.refine(mc.reduce(walk, method="split"), walk)
     """
