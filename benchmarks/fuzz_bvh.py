@@ -151,9 +151,9 @@ def disagreement(data: bytes, motion: mc.Motion, told: list[str]) -> str | None:
     return None
 
 
-def outcome(path: Path, chunk: int) -> tuple[mc.Motion | str, list[str]]:
-    """The motion or the refusal, and the warnings."""
-    _bvh_rows.CHUNK = chunk
+def outcome(path: Path, chunk: int, compiled: bool) -> tuple[mc.Motion | str, list[str]]:
+    """The motion or the refusal, and the warnings, in chunks of that size, by the one or the other way."""
+    _bvh_rows.CHUNK, _bvh_rows.COMPILED_FROM = chunk, 0 if compiled else 1 << 62
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:
@@ -166,18 +166,18 @@ def problem(data: bytes, path: Path, rng: random.Random) -> tuple[str, str | Non
     """Whether a file is "read", "warned" of or "refused", and what is wrong with that."""
     path.write_bytes(data)
     start = time.process_time()  # not what other programs take
-    whole, told = outcome(path, CHUNKS[-1])
+    compiled = rng.random() < 0.5
+    whole, told = outcome(path, CHUNKS[-1], compiled)
     seconds = time.process_time() - start
     if seconds > SLOWEST:
         return "slow", f"took {seconds:.2f} s"
-    small, _ = outcome(path, rng.choice(CHUNKS))
-    _bvh_rows.CHUNK = CHUNKS[-1]
+    small, _ = outcome(path, rng.choice(CHUNKS), not compiled)
     if isinstance(whole, str):
         same = isinstance(small, str) and (small == whole or "a number expected, '" in small)
-        return "refused", None if same else f"chunks decide: {whole} | {small}"
+        return "refused", None if same else f"chunks, or how they are read, decide: {whole} | {small}"
     long_word = isinstance(small, str) and max(map(len, data.split()), default=0) >= CHUNKS[0]
     if not long_word and (isinstance(small, str) or small.values.tobytes() != whole.values.tobytes()):
-        return "read", f"chunks decide: {small}"
+        return "read", f"chunks, or how they are read, decide: {small}"
     return "warned" if told else "read", disagreement(data, whole, told)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import mocurve as mc
+from mocurve.formats import _bvh_rows
 
 TEXT = """HIERARCHY
 ROOT Hips
@@ -49,6 +50,12 @@ def bvh(tmp_path: Path) -> Callable[..., Path]:
         return path
 
     return make
+
+
+@pytest.fixture(params=["plain", "compiled"])
+def both_ways(request, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Rows of any size are read first without, then with compiled code."""
+    monkeypatch.setattr(_bvh_rows, "COMPILED_FROM", 1 << 62 if request.param == "plain" else 0)
 
 
 @pytest.fixture

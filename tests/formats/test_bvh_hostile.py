@@ -11,6 +11,8 @@ import pytest
 import mocurve as mc
 from mocurve.formats import _bvh_rows
 
+pytestmark = pytest.mark.usefixtures("both_ways")
+
 JOINT = "JOINT a\n{\nOFFSET 0 1 0\nCHANNELS 0\n"
 
 
@@ -127,14 +129,13 @@ def test_the_size_of_chunks_changes_nothing(bvh, monkeypatch, chunk):
         head + rows[:-30],
     ]
     files += [head + rows[:3000] + "x" + rows[3000:]]
+    usual = _bvh_rows.CHUNK
     for text in files:
         path = bvh(data=text.encode())
         whole = outcome(path)
         monkeypatch.setattr(_bvh_rows, "CHUNK", chunk)
         assert outcome(path) == whole
-        monkeypatch.setattr(_bvh_rows, "_LARGE", 0)
-        assert outcome(path) == whole
-        monkeypatch.undo()
+        monkeypatch.setattr(_bvh_rows, "CHUNK", usual)
 
 
 def outcome(path) -> bytes | str:

@@ -11,6 +11,8 @@ import pytest
 
 import mocurve as mc
 
+pytestmark = pytest.mark.usefixtures("both_ways")
+
 AWKWARD = (
     "all_frames_on_one_line braces_same_line constant_channels crlf end_site_lowercase_s euler_beyond_360 "
     "euler_wraps_180 frame_time_1000fps frame_time_240fps frame_time_many_spaces frame_time_ntsc_long "

@@ -1,15 +1,14 @@
-"""Numbers read in whole columns are those that float() reads, bit for bit."""
+"""Numbers read many at a time are those that float() reads, bit for bit, and belong to their lines."""
 
 from __future__ import annotations
-
-import re
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mocurve.formats._numbers import PAD, NotANumber, parse
+from mocurve.formats import _numbers, _numbers_kernel
+from mocurve.formats._numbers import NotANumber
 
 plain = st.from_regex(r"-?([0-9]{1,9}\.?[0-9]{0,9}|\.[0-9]{1,9})", fullmatch=True)
 any_float = st.floats(allow_nan=False, allow_infinity=False)
@@ -20,15 +19,17 @@ decimals = st.tuples(st.integers(0, 9), st.lists(st.floats(-1e7, 1e7), min_size=
 blanks = st.sampled_from([" ", "  ", "\n", "\t", " \r\n", "\n\n", "\f"])
 
 
-def block(text: bytes):
-    return parse(np.frombuffer(b" " * PAD + text, np.uint8), ord("\n"))
+@pytest.fixture(params=[_numbers, _numbers_kernel], ids=["plain", "compiled"], scope="module")
+def parse(request):
+    """Both ways to read numbers: what holds for one has to hold for the other."""
+    return lambda text: request.param.parse(text, b"\n")
 
 
-def check(words: list[str], gaps: list[str]) -> None:
+def check(parse, words: list[str], gaps: list[str]) -> None:
     text = "".join(word + gap for word, gap in zip(words, gaps, strict=True))
-    numbers, before = block(text.encode())
+    numbers, counts = parse(text.encode())
     assert numbers.tobytes() == np.array([float(word) for word in words]).tobytes()
-    assert before.tolist() == [len(text[: match.start()].split()) for match in re.finditer("\n", text)]
+    assert counts.tolist() == [len(line.split()) for line in text.split("\n")]
 
 
 @settings(max_examples=60, deadline=None)
@@ -36,31 +37,54 @@ def check(words: list[str], gaps: list[str]) -> None:
     st.data(),
     st.one_of(decimals, st.lists(plain, min_size=1), st.lists(st.one_of(plain, odd, any_float.map(repr)), min_size=1)),
 )
-def test_words_are_read_as_float_reads_them(data, words):
-    check(words, data.draw(st.lists(blanks, min_size=len(words), max_size=len(words))))
+def test_words_are_read_as_float_reads_them(parse, data, words):
+    check(parse, words, data.draw(st.lists(blanks, min_size=len(words), max_size=len(words))))
 
 
-def test_every_number_of_decimals_and_digits_is_exact():
+@settings(max_examples=400, deadline=None)
+@given(st.lists(st.from_regex(r"[+-]?[0-9]{1,40}(\.[0-9]{0,40})?([eE][+-]?[0-9]{1,2})?", fullmatch=True), min_size=1))
+def test_numbers_of_any_length_are_read_as_float_reads_them(parse, words):
+    check(parse, words, [" "] * len(words))
+
+
+@settings(max_examples=400, deadline=None)
+@given(st.lists(st.tuples(st.integers(0, 10**19), st.integers(0, 23)), min_size=1))
+def test_lossless_numbers_are_read_as_float_reads_them(parse, parts):
+    words = [f"{digits:025}"[: 25 - places] + "." + f"{digits:025}"[25 - places :] for digits, places in parts]
+    check(parse, words, [" "] * len(words))
+    check(parse, [f"-{digits}e-{places}" for digits, places in parts], [" "] * len(words))
+
+
+@pytest.mark.parametrize("places", range(24))
+def test_numbers_at_the_middle_of_two_floats_and_beside_it_are_exact(parse, places):
+    rng = np.random.default_rng(places)
+    middles = [2 * int(x) + 1 for x in rng.integers(2**52, 2**53, 500)]  # times any power of two
+    ties = [middle * 5**places for middle in middles if middle * 5**places < 10**18]  # over 10^places
+    near = [middle * 10**places >> max((middle * 10**places).bit_length() - 59, 0) for middle in middles]
+    check(parse, words := [f"{m + d}e-{places}" for m in ties + near for d in (-1, 0, 1, 2)], ["\n"] * len(words))
+
+
+def test_every_number_of_decimals_and_digits_is_exact(parse):
     rng = np.random.default_rng(1)
     for places in range(12):
         for size in range(-4, 10):
             words = [f"{x:.{places}f}" for x in rng.normal(0, 10.0**size, 300)]
-            check(words, [" "] * 300)
-            check([*words, "7", "-0", ".5"], [" "] * 303)
+            check(parse, words, [" "] * 300)
+            check(parse, [*words, "7", "-0", ".5"], [" "] * 303)
 
 
-def test_the_largest_plain_numbers_are_exact():
+def test_the_largest_plain_numbers_are_exact(parse):
     words = ["99999999.9999999", "-99999999.9999999", "-9999999", "9999999.", "99999999"]
     words += ["123456789.5", ".12345678", "0.00000001"]
-    check(words, [" "] * len(words))
+    check(parse, words, [" "] * len(words))
     for word in words:
-        check([word], ["\n"])
+        check(parse, [word], ["\n"])
 
 
-def test_text_without_numbers_has_none():
-    numbers, before = block(b" \n\n \t\n")
+def test_text_without_numbers_has_none(parse):
+    numbers, counts = parse(b" \n\n \t\n")
     assert len(numbers) == 0
-    assert before.tolist() == [0, 0, 0]
+    assert counts.tolist() == [0, 0, 0, 0]
 
 
 @pytest.mark.parametrize(
@@ -87,9 +111,9 @@ def test_text_without_numbers_has_none():
     ],
 )
 @pytest.mark.parametrize("others", ["1.25", "1", "1e5"])
-def test_the_first_word_that_is_no_number_is_told(word, others):
+def test_the_first_word_that_is_no_number_is_told(parse, word, others):
     text = f"{others} {others}\n{word} {others} nan\n".encode()
     with pytest.raises(NotANumber) as caught:
-        block(text)
+        parse(text)
     assert caught.value.word == word.encode()
-    assert caught.value.at - PAD == 2 * len(others) + 2
+    assert caught.value.at == 2 * len(others) + 2

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import os
-from collections import deque
+import sys
 from collections.abc import Callable, Iterator
-from functools import partial
 from typing import NamedTuple, NoReturn
 
 import numpy as np
@@ -17,9 +15,8 @@ from ._bvh_header import found, hint
 from ._files import Path
 
 CHUNK = 1 << 17  # characters that are turned into numbers at a time: few enough for a processor's cache
-_LARGE = 32 * CHUNK  # bytes from which a second thread pays
+COMPILED_FROM = 64 << 20  # bytes from which compiled code pays the 0.4 s that numba takes to start
 _TAIL, _LAST = 8192, 64  # characters kept, and numbers of the last row looked at when the file has ended
-_BLANKS = (b" ", b"\n", b"\r", b"\t", b"\f", b"\v")
 Read = Callable[[int], bytes]
 
 
@@ -50,7 +47,7 @@ def read_rows(read: Read, place: Place, channels: int, frames: int) -> np.ndarra
         tail = chunk[-_TAIL:] if len(chunk) >= _TAIL else tail[-_TAIL:] + chunk
     lines.finish()
     check_lines(lines, channels, frames, place.path)
-    if tail and not tail.endswith(_BLANKS):
+    if tail and not tail.endswith(_numbers.BLANKS):
         if rows.count < frames:
             told = f"{frames} frames announced, but the file ends without a line end in frame {rows.count}"
             raise FileError(told, place.path, lines.last_line)
@@ -100,13 +97,9 @@ class Lines:
 
     def add(self, block: _numbers.Block) -> None:
         self.total += len(block.values)
-        if len(block.before) == 0:
-            self.numbers += len(block.values)
-            return
-        counts = block.before.copy()
-        counts[1:] -= block.before[:-1]
+        counts = block.counts
         counts[0] += self.numbers
-        self.numbers = len(block.values) - int(block.before[-1])
+        self.numbers, counts = int(counts[-1]), counts[:-1]
         filled = np.flatnonzero(counts)
         self._append(filled + self.line, counts[filled])
         self.line += len(counts)
@@ -183,34 +176,29 @@ def _count_blank_lines(read: Read, place: Place) -> int:
     for _, block in _blocks(read, place):
         if len(block.values):
             raise FileError("no numbers expected, since no joint has channels", place.path, place.line + lines)
-        lines += len(block.before)
+        lines += len(block.counts) - 1
     return lines
 
 
 def _blocks(read: Read, place: Place) -> Iterator[tuple[bytes, _numbers.Block]]:
-    """The numbers of each chunk of the file, in order; those of large files on two threads."""
-    where = _Where(place)
-    if place.size < _LARGE or (os.cpu_count() or 1) < 2:
-        for chunk in _chunks(read, place):
-            yield chunk, where.block(chunk, partial(_parse, chunk, place.newline))
-        return
-    from concurrent.futures import Future, ThreadPoolExecutor  # not needed, and not loaded, for small files
-
-    waiting: deque[tuple[bytes, Future[_numbers.Block]]] = deque()
-    with ThreadPoolExecutor(2) as pool:
-        for chunk in _chunks(read, place):
-            waiting.append((chunk, pool.submit(_parse, chunk, place.newline)))
-            if len(waiting) > 3:
-                chunk, future = waiting.popleft()
-                yield chunk, where.block(chunk, future.result)
-        while waiting:
-            chunk, future = waiting.popleft()
-            yield chunk, where.block(chunk, future.result)
+    """The numbers of each chunk of the file, in order."""
+    parse, line, column = _parser(place.size), place.line, 0
+    for chunk in _chunks(read, place):
+        try:
+            block = parse(chunk, place.newline)
+        except _numbers.NotANumber as error:
+            _complain(chunk, error, place._replace(line=line), column)
+        yield chunk, block
+        begin = chunk.rfind(place.newline) + 1
+        line, column = line + len(block.counts) - 1, len(chunk) - begin + (0 if begin else column)
 
 
-def _parse(chunk: bytes, newline: bytes) -> _numbers.Block:
-    padded = b"".join((b" " * _numbers.PAD, chunk, b"" if chunk.endswith(_BLANKS) else b" "))
-    return _numbers.parse(np.frombuffer(padded, np.uint8), newline[0])
+def _parser(size: int) -> Callable[[bytes, bytes], _numbers.Block]:
+    if size < (COMPILED_FROM // 8 if "numba" in sys.modules else COMPILED_FROM):
+        return _numbers.parse
+    from . import _numbers_kernel  # not needed, and not loaded, for small files
+
+    return _numbers_kernel.parse
 
 
 def _chunks(read: Read, place: Place) -> Iterator[bytes]:
@@ -218,7 +206,7 @@ def _chunks(read: Read, place: Place) -> Iterator[bytes]:
     rest = b""
     while data := read(CHUNK):
         data = rest + data
-        cut = data.rfind(place.newline) + 1 or max(data.rfind(blank) for blank in _BLANKS) + 1
+        cut = data.rfind(place.newline) + 1 or max(data.rfind(blank) for blank in _numbers.BLANKS) + 1
         if cut == 0 and len(data) > CHUNK:
             word = found(data[:100].decode("latin-1"))
             raise FileError(f"a number expected, {word}", place.path, place.line)
@@ -229,25 +217,11 @@ def _chunks(read: Read, place: Place) -> Iterator[bytes]:
         yield rest
 
 
-class _Where:
-    """Line and column that a chunk begins in, to say where something is wrong."""
-
-    def __init__(self, place: Place):
-        self.place, self.line, self.column = place, place.line, 0
-
-    def block(self, chunk: bytes, parse: Callable[[], _numbers.Block]) -> _numbers.Block:
-        try:
-            block = parse()
-        except _numbers.NotANumber as error:
-            self._complain(chunk, error)
-        begin = chunk.rfind(self.place.newline) + 1
-        self.line, self.column = self.line + len(block.before), len(chunk) - begin + (0 if begin else self.column)
-        return block
-
-    def _complain(self, chunk: bytes, error: _numbers.NotANumber) -> NoReturn:
-        before = chunk[: error.at - _numbers.PAD]
-        begin = before.rfind(self.place.newline) + 1
-        line, column = self.line + before.count(self.place.newline), len(before) - begin + (0 if begin else self.column)
-        word = error.word.decode("utf-8", "replace")
-        told = f"column {column + 1}: a number expected, {found(word)}{hint(word)}"
-        raise FileError(told, self.place.path, line) from None
+def _complain(chunk: bytes, error: _numbers.NotANumber, place: Place, column: int) -> NoReturn:
+    """FileError for a word of a chunk that begins in that line and column."""
+    before = chunk[: error.at]
+    begin = before.rfind(place.newline) + 1
+    line, column = place.line + before.count(place.newline), len(before) - begin + (0 if begin else column)
+    word = error.word.decode("utf-8", "replace")
+    told = f"column {column + 1}: a number expected, {found(word)}{hint(word)}"
+    raise FileError(told, place.path, line) from None

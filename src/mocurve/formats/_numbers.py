@@ -1,10 +1,6 @@
-"""Decimal numbers in text, many at a time: bit for bit what float() makes of them, several times as fast.
+"""Decimal numbers in text, many at a time: bit for bit what float() makes of them, and how many each line has.
 
-Numbers such as -12.345678 are read by arithmetic on whole columns of text: their digits are loaded as 8-byte words,
-which three multiplications turn into integers (D. Lemire, "Number parsing at a gigabyte per second", 2021). With m =
-all digits as an integer < 2^53 and k <= 22 digits behind the point, m and 10^k are exact floats, so that the one
-rounding of m / 10^k is the right one (W. D. Clinger, "How to read floating point numbers accurately", 1990). Text that
-has anything else in it (exponents, more digits) goes through NumPy's reader of text.
+Here without a compiler's start-up, for files that are soon read; `_numbers_kernel` has the same `parse` for large ones.
 """
 
 from __future__ import annotations
@@ -14,26 +10,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-PAD = 16  # blanks that a text begins with, so that words that end at its first number lie inside
-_WORD = 8  # digits in a word
+BLANKS = (b" ", b"\n", b"\r", b"\t", b"\f", b"\v")
 _NUMBER = rb"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 _CLEAN = b"0123456789.eE+- \t\r\n\f\v"
-_ONE_LINE = bytes.maketrans(b"\t\r\n\f\v", b"     ")
-_TENS = 10.0 ** np.arange(_WORD + 1)
-_SCALE = (_TENS[:, None] * [1.0, -1.0]).reshape(-1)  # by twice the decimals, plus one for a minus
-# the last n characters of a word as digits 0 to 9, the others 0; words are little-endian: the last character is on top
-_LAST = np.array([(0x0F0F0F0F0F0F0F0F << 8 * (_WORD - n)) % 2**64 for n in range(_WORD + 1)], np.uint64)
-_TOP = np.array([(0xFFFFFFFFFFFFFFFF << 8 * (_WORD - n)) % 2**64 for n in range(_WORD + 1)], np.uint64)
-_LAST_OF_LOW = _LAST[np.minimum(np.arange(2 * _WORD), _WORD)]
-_LAST_OF_HIGH = _LAST[np.maximum(np.arange(2 * _WORD) - _WORD, 0)]
-_STEPS = [(2561, 8, 0x00FF00FF00FF00FF), (6553601, 16, 0x0000FFFF0000FFFF), (42949672960001, 32, 0xFFFFFFFF)]
-_MULTIPLY = [tuple(np.uint64(n) for n in step) for step in _STEPS]
 _DOT, _MINUS, _ZERO, _SPACE = b".-0 "
+_EXACT = 15  # digits that a float holds whatever they are
 
 
 class Block(NamedTuple):
     values: np.ndarray  # (N,) float64
-    before: np.ndarray  # per line end in the text: how many of the numbers stand before it
+    counts: np.ndarray  # (line ends in the text + 1,) how many of the numbers each line has; the last one may go on
 
 
 class NotANumber(ValueError):
@@ -44,105 +30,53 @@ class NotANumber(ValueError):
         super().__init__(word)
 
 
-def parse(text: np.ndarray, newline: int) -> Block:
-    """The numbers of a text: uint8 characters, PAD blanks first, one last. NotANumber tells the first that is none."""
-    blanks = np.flatnonzero(text <= _SPACE)[PAD - 1 :]
-    kinds = text[blanks]
-    ends, lengths, closing = blanks[1:], blanks[1:] - blanks[:-1] - 1, kinds[1:]
+def parse(text: bytes, newline: bytes) -> Block:
+    """The numbers of a text that blanks keep apart, NotANumber for the first word that is none."""
+    if text.translate(None, _CLEAN):  # nan, inf and 1_000 are numbers to Python, not to us
+        raise first_wrong(text)
+    chars = np.frombuffer(b" %b " % text, np.uint8)
+    blanks = np.flatnonzero(chars <= _SPACE)
+    lengths = np.diff(blanks) - 1
     real = lengths > 0
-    before = np.flatnonzero(closing == newline)
-    empty = np.flatnonzero(~real)  # blanks that follow blanks
-    before += 1 - np.searchsorted(empty, before, side="right")
-    if len(empty):
-        ends, lengths = ends[real], lengths[real]
-    if len(ends) == 0:
-        return Block(np.empty(0), before)
-    controls = ((kinds - np.uint8(9)) > 4) & (kinds != _SPACE)
-    values = None if controls.any() else _plain(text, ends, lengths)
-    return Block(_any(text) if values is None else values, before)
+    ends, lengths = blanks[1:][real], lengths[real]
+    lines = np.searchsorted(ends, np.flatnonzero(chars == ord(newline)), side="right")  # numbers before each line end
+    values = _with_like_decimals(text, chars, ends, lengths)
+    return Block(_any(text) if values is None else values, np.diff(lines, prepend=0, append=len(ends)))
 
 
-def _plain(text: np.ndarray, ends: np.ndarray, lengths: np.ndarray) -> np.ndarray | None:
-    """The numbers that end before `ends`; None unless each is [-]digits[.digits] and fits into two words.
-
-    That is 8 digits before the point and 7 behind it, or 7 without a point: at most 15, which a float holds exactly.
-    """
-    pairs = np.ndarray(len(text) - 2 * _WORD + 1, "<c16", text, 0, (1,))  # the 16 characters from each place on
-    words = pairs[ends - 2 * _WORD].view("<u8")
-    minus = text[ends - lengths] == _MINUS
-    digits = lengths - minus
-    behind, moving = _points(text, ends, digits, words[1::2])
-    whole = digits - behind
-    most = whole.max()
-    if whole.min() < 0 or digits.min() < 1 or most > _WORD or (most == _WORD and (moving == _WORD).any()):
-        return None
-    if np.count_nonzero((text - np.uint8(_ZERO)) < 10) != digits.sum():
-        return None
-    numbers = _digits(words[0::2], words[1::2], digits, _LAST[moving])
-    numbers /= _SCALE[2 * behind + minus]
-    return numbers
-
-
-def _points(text: np.ndarray, ends: np.ndarray, digits: np.ndarray, low: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """How many digits stand behind the point, one count for all where they agree; the same with 8 where there is none.
-
-    The points are taken out of `digits`; one that is not among the last 8 characters, `low`, stays in as a false digit.
-    """
-    points = np.count_nonzero(text == _DOT)
-    first = text[ends[0] - digits[0] : ends[0]].tobytes()[::-1].find(b".")
-    if points == len(ends) and 0 <= first < _WORD and (text[ends - (first + 1)] == _DOT).all():
-        digits -= 1
-        return np.array(first), np.array(first)
-    unlike = low ^ np.uint64(0x2E2E2E2E2E2E2E2E)
-    dots = unlike - np.uint64(0x0101010101010101)  # the top bit of a character is set below where it is a point
-    dots &= ~unlike
-    dots &= np.uint64(0x8080808080808080) & _TOP[np.minimum(digits, _WORD)]
-    dots >>= np.uint64(7)
-    exponent = dots.view(np.int64).astype(np.float64).view(np.int64) >> 52  # of the highest bit, that of the last point
-    moving = np.minimum((1023 + 56 - exponent) >> 3, _WORD)
-    digits -= moving < _WORD
-    return moving & (_WORD - 1), moving
-
-
-def _digits(high: np.ndarray, low: np.ndarray, digits: np.ndarray, behind: np.ndarray) -> np.ndarray:
-    """All digits of each number as an integer in a float; `behind` masks those of `low` that stand behind the point."""
-    last = low << np.uint64(8)  # the digits before the point move up to those behind it
-    last &= ~behind
-    last |= low & behind
-    if digits.max() < _WORD:
-        last &= _LAST_OF_LOW[digits]
-        return _integers(last)
-    last |= high >> np.uint64(56)
-    last &= _LAST_OF_LOW[digits]
-    first = high << np.uint64(8)
-    first &= _LAST_OF_HIGH[digits]
-    numbers = _integers(first)
-    numbers *= _TENS[_WORD]
-    numbers += _integers(last)
-    return numbers
-
-
-def _integers(words: np.ndarray) -> np.ndarray:
-    """The integers that words of 8 digits (0 to 9, not characters) stand for, as floats; the words are overwritten."""
-    for factor, shift, keep in _MULTIPLY:
-        words *= factor
-        words >>= shift
-        words &= keep
-    return words.view(np.int64).astype(np.float64)
-
-
-def _any(text: np.ndarray) -> np.ndarray:
-    """The numbers of a text, exponents and any number of digits included."""
-    raw = text.tobytes()
-    if not raw.translate(None, _CLEAN):  # nan, inf and 1_000 are numbers to Python, not to us
-        try:
-            line = raw.translate(_ONE_LINE).decode("ascii")
-            values = np.loadtxt([line], np.float64, comments=None, ndmin=1)
-            if np.isfinite(values).all():
-                return values
-        except ValueError:
-            pass  # the word that is no number is looked for below
-    for match in re.finditer(rb"[^ \t\r\n\f\v]+", raw):
+def first_wrong(text: bytes) -> NotANumber:
+    """What is to be raised for a text with a word in it that is no finite number."""
+    for match in re.finditer(rb"[^ \t\r\n\f\v]+", text):
         if not re.fullmatch(_NUMBER, match[0]) or abs(float(match[0])) == float("inf"):
-            raise NotANumber(match[0], match.start())
-    return np.array(list(map(float, raw.split())))
+            return NotANumber(match[0], match.start())
+    raise AssertionError("every word of the text is a finite number")
+
+
+def _with_like_decimals(text: bytes, chars: np.ndarray, ends: np.ndarray, lengths: np.ndarray) -> np.ndarray | None:
+    """The numbers, where all have as many digits behind the point, as most files have; None if not.
+
+    Without the points they are integers < 2^53, which NumPy reads three times as fast, and that over 10^decimals <= 22
+    is rounded once, so right (W. D. Clinger, "How to read floating point numbers accurately", 1990).
+    """
+    points = np.flatnonzero(chars == _DOT)
+    if len(points) != len(ends) or len(ends) == 0 or lengths.max() > _EXACT + 1:
+        return None
+    decimals = int(ends[0] - points[0]) - 1
+    if decimals < 1 or (points + (decimals + 1) != ends).any():
+        return None
+    minus = chars[ends - lengths] == _MINUS
+    digits = np.count_nonzero((chars - np.uint8(_ZERO)) < 10)
+    if digits + np.count_nonzero(minus) + len(points) != lengths.sum():
+        return None
+    numbers = np.fromstring(text.translate(None, b"."), np.int64, sep=" ") / float(10**decimals)
+    return np.copysign(numbers, 0.5 - minus)  # for -0.0, which no integer says
+
+
+def _any(text: bytes) -> np.ndarray:
+    try:
+        values = np.array(text.split(), np.float64)
+    except ValueError:
+        raise first_wrong(text) from None
+    if not np.isfinite(values).all():
+        raise first_wrong(text)
+    return values
