@@ -105,7 +105,6 @@ def test_the_promise_holds_on_a_jump(
     assert keys.report.lower_bound <= keys.keys
 
 
-@pytest.mark.filterwarnings("ignore:invalid value encountered:RuntimeWarning")  # told by the test of a leaf that turns
 @settings(max_examples=150, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
 @given(data=st.data())
 def test_the_promise_holds_on_hostile_clips(
@@ -326,7 +325,6 @@ def test_what_is_no_number_is_refused_with_its_place(value: float, tolerance: st
     assert str(caught.value) == place
 
 
-@pytest.mark.xfail(strict=True, reason="the constant in a tube without ends is no number, and a warning is shown")
 def test_a_leaf_that_could_turn_and_does_not_has_one_key_without_a_warning() -> None:
     skeleton = Skeleton(("A", "Leaf"), [-1, 0], [[0, 0, 0], [0, 10, 0]], [("Zrotation",), ("Xrotation",)])
     keys = mc.reduce(Motion(skeleton, np.full((9, 2), 7.0), 0.1), tolerance="0.1u")

@@ -111,32 +111,31 @@ def reach_of_limits(body, k, points, axes, limits, floor, out):
 
 
 @kernel(fastmath=SUMS)
-def sine_cosine(x):
-    """Sine and cosine (radians): their series where it is exact to the last digit, which is faster."""
+def sine_versine(x):
+    """sin x and 1 - cos x (radians): by their series where it is exact to the last digit, which is faster too."""
     if abs(x) > 0.35:
-        return np.sin(x), np.cos(x)
+        return np.sin(x), 1.0 - np.cos(x)
     q = x * x
     sine = x * (1 - q / 6 * (1 - q / 20 * (1 - q / 42 * (1 - q / 72 * (1 - q / 110 * (1 - q / 156))))))
-    cosine = 1 - q / 2 * (1 - q / 12 * (1 - q / 30 * (1 - q / 56 * (1 - q / 90 * (1 - q / 132 * (1 - q / 182))))))
-    return sine, cosine
+    versine = q / 2 * (1 - q / 12 * (1 - q / 30 * (1 - q / 56 * (1 - q / 90 * (1 - q / 132 * (1 - q / 182))))))
+    return sine, versine
 
 
 @kernel(fastmath=SUMS, inline="always")
-def arcs(first, last, own, k, f, points, target, axes, limits, B, C, D):
-    """The arcs B cos d + C sin d >= D of changes d that the points below rotation channel k allow at frame f, into B,
-    C, D (P,).
+def arcs(first, last, own, k, f, points, target, axes, limits, B, C, E):
+    """What changes d the points below rotation channel k allow at frame f: C sin d - B (1 - cos d) + E >= 0.
 
-    |rot(u, d) a + o - p*| <= limit, with a from the joint to the point and b to its target, is that inequality."""
+    That is |rot(u, d) a + o - p*| <= limit, with a from the joint to the point and b to its target, written so that
+    nothing cancels where limits are small against bones. Into B, C, E (P,)."""
     o0, o1, o2 = points[f, 0, own], points[f, 1, own], points[f, 2, own]
     u0, u1, u2 = axes[f, 0, k], axes[f, 1, k], axes[f, 2, k]
     for p in range(first, last):
         a0, a1, a2 = points[f, 0, p] - o0, points[f, 1, p] - o1, points[f, 2, p] - o2
         b0, b1, b2 = target[f, 0, p] - o0, target[f, 1, p] - o1, target[f, 2, p] - o2
+        d0, d1, d2 = a0 - b0, a1 - b1, a2 - b2
         B[p] = a0 * b0 + a1 * b1 + a2 * b2 - (u0 * a0 + u1 * a1 + u2 * a2) * (u0 * b0 + u1 * b1 + u2 * b2)
         C[p] = (u1 * a2 - u2 * a1) * b0 + (u2 * a0 - u0 * a2) * b1 + (u0 * a1 - u1 * a0) * b2
-        # (|a|^2 + |b|^2 - limit^2) / 2 less the part along the axis, written with the difference, which does not cancel
-        d0, d1, d2 = a0 - b0, a1 - b1, a2 - b2
-        D[p] = 0.5 * (d0 * d0 + d1 * d1 + d2 * d2 - limits[f, p] * limits[f, p]) + B[p]
+        E[p] = 0.5 * (limits[f, p] * limits[f, p] - d0 * d0 - d1 * d1 - d2 * d2)
 
 
 @kernel
@@ -161,13 +160,12 @@ def narrow(body, k, points, target, axes, limits, begin, end, low, high):
     """The tube of channel k: cuts [low, high] (F,), changes of the channel from where it is, to what keeps every point
     within its limit.
 
-    Exact: an arc lies about atan2(C, B) and is acos(D / hypot(B, C)) to either side. Frames begin to end; degrees or
-    length."""
+    Exact: the changes that a point allows are an arc about atan2(C, B). Frames begin to end; degrees or length."""
     first, last = moved_points(body, k)
     own = body.first_point[body.joint[k]]
     rotates = body.rotates[k]
     room = points.shape[2]
-    B, C, D = np.empty(room), np.empty(room), np.empty(room)
+    B, C, E = np.empty(room), np.empty(room), np.empty(room)
     degrees = 180.0 / np.pi
     for f in range(begin, end):
         if not rotates:
@@ -176,25 +174,27 @@ def narrow(body, k, points, target, axes, limits, begin, end, low, high):
             continue
         # within a quarter turn the two ends of an interval tell all of it
         lo, hi = max(low[f], -89.0) / degrees, min(high[f], 89.0) / degrees
-        arcs(first, last, own, k, f, points, target, axes, limits, B, C, D)
-        (sin_lo, cos_lo), (sin_hi, cos_hi) = sine_cosine(lo), sine_cosine(hi)
+        arcs(first, last, own, k, f, points, target, axes, limits, B, C, E)
+        (sin_lo, up_lo), (sin_hi, up_hi) = sine_versine(lo), sine_versine(hi)
         for back in range(first, last):
             p = (
                 first + last - back - 1
-            )  # the far ends of limbs first: they are the tightest, and spare the others the trigonometry
-            b, c, d = B[p], C[p], D[p]
-            if b > 0.0 and b * cos_lo + c * sin_lo >= d and b * cos_hi + c * sin_hi >= d:
+            )  # the far ends of limbs first: they are tightest, and spare the others trigonometry
+            b, c, e = B[p], C[p], E[p]
+            if b > 0.0 and c * sin_lo - b * up_lo + e >= 0.0 and c * sin_hi - b * up_hi + e >= 0.0:
                 continue
             size = np.sqrt(b * b + c * c)
-            if d <= -size or size < 1e-300:
+            if b - e <= -size or size < 1e-300:
                 continue
-            middle, half = np.arctan2(c, b), np.arccos(min(1.0, d / size))
+            rest = c * c / (size + b) if b > 0.0 else size - b
+            middle = np.arctan2(c, b)
+            half = 2.0 * np.arcsin(np.sqrt(min(max(0.5 * (rest + e) / size, 0.0), 1.0)))
             if middle - half > lo:
                 lo = middle - half
-                sin_lo, cos_lo = sine_cosine(lo)
+                sin_lo, up_lo = sine_versine(lo)
             if middle + half < hi:
                 hi = middle + half
-                sin_hi, cos_hi = sine_cosine(hi)
+                sin_hi, up_hi = sine_versine(hi)
         low[f], high[f] = min(lo * degrees, 0.0), max(hi * degrees, 0.0)
 
 
@@ -216,8 +216,8 @@ def turn(body, k, delta, begin, end, points, axes):
                 points[f, 1, p] += d * u1
                 points[f, 2, p] += d * u2
             continue
-        s, c = sine_cosine(np.radians(d))
-        v = 1.0 - c
+        s, v = sine_versine(np.radians(d))
+        c = 1.0 - v
         m00, m01, m02 = c + u0 * u0 * v, u0 * u1 * v - u2 * s, u0 * u2 * v + u1 * s
         m10, m11, m12 = u1 * u0 * v + u2 * s, c + u1 * u1 * v, u1 * u2 * v - u0 * s
         m20, m21, m22 = u2 * u0 * v - u1 * s, u2 * u1 * v + u0 * s, c + u2 * u2 * v

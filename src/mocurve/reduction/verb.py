@@ -100,7 +100,8 @@ def refine(keys: KeyedMotion, clip: Clip) -> KeyedMotion:
 
     Without a promise in space the squared error of no channel grows, or its sum over channels that share their times;
     with one, every curve is drawn towards the middle of what the promise leaves it, and the RMS error in space does not
-    grow. A promise that `reduce` made and that holds against this clip still holds. Shared key times stay shared.
+    grow (channels that share their times stay as they are). A promise that `reduce` made and that holds against this
+    clip still holds. Shared key times stay shared.
     Mismatch where keys and clip have different skeletons or lengths, or a key lies between two frames.
 
     >>> mc.refine(mc.reduce(walk, method="split"), walk)
@@ -109,6 +110,8 @@ def refine(keys: KeyedMotion, clip: Clip) -> KeyedMotion:
     made = next((step for step in reversed(keys.history) if "tolerance" in step), {})
     asked = problem(clip, made.get("tolerance"), made.get("align", "channel"), made.get("feet", 1.0))
     before = _on_frames(keys, asked)
+    if asked.motion.frames == 0:
+        return keys
     if asked.limits.joints is None:
         after = [_polished(*each) for each in zip(before, asked.bands(), strict=True)]
     else:

@@ -242,7 +242,8 @@ def problem(motion: Motion, limits: Limits) -> tuple[Scene, np.ndarray, np.ndarr
     alone = allowance(scene, 0.5 * SHELL * rest_height(motion))
     cap = limits.channels * (1.0 - RESERVE)
     _refuse_unlimited(motion, alone, cap)
-    return scene, alone, cap
+    # where nothing limits a constant channel its tube still has ends
+    return scene, alone, np.minimum(cap, np.ptp(scene.original, axis=1, keepdims=True) + 180.0)
 
 
 def polish(motion: Motion, groups: list[np.ndarray], limits: Limits, keys: list[Keys], better: Better) -> list[Keys]:
