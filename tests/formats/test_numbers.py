@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import sys
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mocurve.formats import _numbers, _numbers_kernel
+from mocurve.formats import _bvh_rows, _numbers, _numbers_kernel
 from mocurve.formats._numbers import NotANumber
 
 plain = st.from_regex(r"-?([0-9]{1,9}\.?[0-9]{0,9}|\.[0-9]{1,9})", fullmatch=True)
@@ -117,3 +119,19 @@ def test_the_first_word_that_is_no_number_is_told(parse, word, others):
         parse(text)
     assert caught.value.word == word.encode()
     assert caught.value.at == 2 * len(others) + 2
+
+
+@pytest.mark.parametrize(
+    ("size", "loaded", "module"),
+    [
+        (2 << 20, False, _numbers),
+        (2 << 20, True, _numbers),
+        (16 << 20, False, _numbers),
+        (16 << 20, True, _numbers_kernel),
+        (100 << 20, False, _numbers_kernel),
+    ],
+)
+def test_compiled_code_is_for_files_that_pay_for_loading_it(monkeypatch, size, loaded, module):
+    if not loaded:
+        monkeypatch.delitem(sys.modules, "numba")
+    assert _bvh_rows.parser(size) is module.parse

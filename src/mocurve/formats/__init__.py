@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from importlib import import_module
 from os import PathLike, fsdecode
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol, cast
 
 from ..errors import OptionError
-from ..keyed import KeyedMotion
-from ..motion import Clip, Motion
-from . import bvh, csv, curves_json, npz
 
-FORMATS = {".bvh": bvh, ".curves.json": curves_json, ".csv": csv, ".npz": npz}
+if TYPE_CHECKING:
+    from ..keyed import KeyedMotion
+    from ..motion import Clip, Motion
+
+FORMATS = {".bvh": "bvh", ".curves.json": "curves_json", ".csv": "csv", ".npz": "npz"}  # modules, loaded when needed
 UNITS = {"mm": 0.001, "cm": 0.01, "m": 1.0, "in": 0.0254, "inch": 0.0254, "ft": 0.3048}  # metres
 
 
@@ -23,7 +25,7 @@ def read(path: str | PathLike[str], *, unit: str | float | None = None) -> Motio
 
         walk = mc.read("walk.bvh", unit="inch")
     """
-    clip = _format(path).read(path)
+    clip = format_of(path).read(path)
     return clip if unit is None else replace(clip, skeleton=replace(clip.skeleton, unit=metres(unit)))
 
 
@@ -34,7 +36,7 @@ def write(path: str | PathLike[str], clip: Clip, *, lossless: bool = False) -> N
 
         mc.write("walk.curves.json", keys)
     """
-    _format(path).write(path, clip, lossless)
+    format_of(path).write(path, clip, lossless)
 
 
 def metres(unit: str | float) -> float:
@@ -50,14 +52,17 @@ def metres(unit: str | float) -> float:
     return number
 
 
-class _Format(Protocol):
+class Format(Protocol):
+    """What the module of a format has."""
+
     def read(self, path: str | PathLike[str]) -> Motion | KeyedMotion: ...
     def write(self, path: str | PathLike[str], clip: Clip, lossless: bool) -> None: ...
 
 
-def _format(path: str | PathLike[str]) -> _Format:
+def format_of(path: str | PathLike[str]) -> Format:
+    """The module that reads and writes files of that name; OptionError where none does."""
     name = fsdecode(path).lower()
     for extension in sorted(FORMATS, key=len, reverse=True):
         if name.endswith(extension):
-            return FORMATS[extension]
+            return cast(Format, import_module(f".{FORMATS[extension]}", __name__))
     raise OptionError(f"no format known for {fsdecode(path)!r}; a file name ends in {', '.join(FORMATS)}")

@@ -182,7 +182,7 @@ def _count_blank_lines(read: Read, place: Place) -> int:
 
 def _blocks(read: Read, place: Place) -> Iterator[tuple[bytes, _numbers.Block]]:
     """The numbers of each chunk of the file, in order."""
-    parse, line, column = _parser(place.size), place.line, 0
+    parse, line, column = parser(place.size), place.line, 0
     for chunk in _chunks(read, place):
         try:
             block = parse(chunk, place.newline)
@@ -193,7 +193,8 @@ def _blocks(read: Read, place: Place) -> Iterator[tuple[bytes, _numbers.Block]]:
         line, column = line + len(block.counts) - 1, len(chunk) - begin + (0 if begin else column)
 
 
-def _parser(size: int) -> Callable[[bytes, bytes], _numbers.Block]:
+def parser(size: int) -> Callable[[bytes, bytes], _numbers.Block]:
+    """What reads the numbers of so many bytes: compiled, or as it is."""
     if size < (COMPILED_FROM // 8 if "numba" in sys.modules else COMPILED_FROM):
         return _numbers.parse
     from . import _numbers_kernel  # not needed, and not loaded, for small files

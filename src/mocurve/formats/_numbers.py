@@ -37,9 +37,10 @@ def parse(text: bytes, newline: bytes) -> Block:
     chars = np.frombuffer(b" %b " % text, np.uint8)
     blanks = np.flatnonzero(chars <= _SPACE)
     lengths = np.diff(blanks) - 1
-    real = lengths > 0
-    ends, lengths = blanks[1:][real], lengths[real]
-    lines = np.searchsorted(ends, np.flatnonzero(chars == ord(newline)), side="right")  # numbers before each line end
+    real, ends = lengths > 0, blanks[1:]
+    if not real.all():  # blanks that follow blanks
+        ends, lengths = ends[real], lengths[real]
+    lines = np.searchsorted(ends, blanks[chars[blanks] == ord(newline)], side="right")  # numbers before each line end
     values = _with_like_decimals(text, chars, ends, lengths)
     return Block(_any(text) if values is None else values, np.diff(lines, prepend=0, append=len(ends)))
 
@@ -58,15 +59,15 @@ def _with_like_decimals(text: bytes, chars: np.ndarray, ends: np.ndarray, length
     Without the points they are integers < 2^53, which NumPy reads three times as fast, and that over 10^decimals <= 22
     is rounded once, so right (W. D. Clinger, "How to read floating point numbers accurately", 1990).
     """
-    points = np.flatnonzero(chars == _DOT)
-    if len(points) != len(ends) or len(ends) == 0 or lengths.max() > _EXACT + 1:
+    points = np.count_nonzero(chars == _DOT)
+    if points != len(ends) or points == 0 or lengths.max() > _EXACT + 1:
         return None
-    decimals = int(ends[0] - points[0]) - 1
-    if decimals < 1 or (points + (decimals + 1) != ends).any():
+    decimals = int(ends[0]) - text.find(b".") - 2  # chars have a blank before the text
+    if decimals < 1 or (chars[ends - (decimals + 1)] != _DOT).any():
         return None
     minus = chars[ends - lengths] == _MINUS
     digits = np.count_nonzero((chars - np.uint8(_ZERO)) < 10)
-    if digits + np.count_nonzero(minus) + len(points) != lengths.sum():
+    if digits + np.count_nonzero(minus) + points != lengths.sum():
         return None
     numbers = np.fromstring(text.translate(None, b"."), np.int64, sep=" ") / float(10**decimals)
     return np.copysign(numbers, 0.5 - minus)  # for -0.0, which no integer says
