@@ -30,13 +30,12 @@ from .tolerance import Limits
 SHELL = 0.05  # of the rest height: how far from its bone a joint's shell points lie, so that twist counts
 RESERVE = 1e-5  # part of every limit kept for rounding, that of a file with six decimals included
 SHARE = 0.15  # of what a channel's lever arm allows: where it starts
-
-
-Solve = Callable[[np.ndarray, np.ndarray, str], Keys]
-Better = Callable[[Keys, np.ndarray, np.ndarray], Keys]
-Tube = tuple[np.ndarray, np.ndarray]  # middle and half-width (M, F)
 LEAST_SHARE = 1e-9  # below, a limit of nothing is asked: the check of the promise gives every frame its key
 REST = 1  # rounds that a group is left alone after one that found nothing
+
+Solve = Callable[[np.ndarray, np.ndarray, str], Keys]  # middle, half (M, F), quality
+Better = Callable[[Keys, np.ndarray, np.ndarray], Keys]  # keys, middle, half (M, F)
+Tube = tuple[np.ndarray, np.ndarray]  # middle and half-width (M, F)
 
 
 class Round(NamedTuple):
@@ -45,18 +44,13 @@ class Round(NamedTuple):
     stray: float  # how far a channel may be from its original, in what its lever arm allows it
     sweeps: int  # towards the middle of the tubes, before the search
     search: str  # quality of the search for fewer keys
-    prune: bool  # take out single keys too
 
 
 ROUNDS = {
-    "fast": [Round(0.45, 1, "fast", False), Round(1.2, 1, "default", False), Round(2.4, 1, "default", False)],
-    "default": [
-        Round(0.3, 2, "fast", False),
-        Round(0.8, 2, "default", False),
-        *[Round(2.4, 2, "good", False) for _ in range(3)],
-    ],
-    "good": [Round(stray, 4, "good", True) for stray in (0.3, 0.6, 1.2, *[2.4] * 5)],
-    "best": [Round(stray, 4, "best", True) for stray in (0.3, 0.6, 1.2, *[2.4] * 9)],
+    "fast": [Round(0.45, 1, "fast"), Round(1.2, 1, "default"), Round(2.4, 1, "default")],
+    "default": [Round(0.3, 2, "fast"), Round(0.8, 2, "default"), *[Round(2.4, 2, "good")] * 3],
+    "good": [*(Round(stray, 3, "good") for stray in (0.3, 0.6, 1.2)), *[Round(2.4, 3, "good")] * 6],
+    "best": [*(Round(stray, 4, "best") for stray in (0.3, 0.6, 1.2)), *[Round(2.4, 4, "best")] * 12],
 }
 
 
@@ -179,7 +173,7 @@ def fit(
             return
         if again:
             keys[g] = _search(scene, groups[g], keys[g], near, solve, step.search)
-        if step.prune or not again or len(groups[g]) > 1:
+        if not again or len(groups[g]) > 1:  # what a search inside the tubes leaves, taking out keys does not improve
             keys[g] = _prune(scene, groups[g], keys[g], near)
         if len(keys[g].frames) == before:
             rest[g] = REST
