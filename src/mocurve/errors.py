@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from difflib import get_close_matches
 from os import PathLike, fspath
 
 
@@ -34,6 +33,8 @@ class UnknownName(MocurveError, KeyError):
     """A name that is not there: "no joint 'LeftFot'. Did you mean 'LeftFoot'?"."""
 
     def __init__(self, kind: str, name: str, known: Iterable[str]):
+        from difflib import get_close_matches  # here, so that a start without errors does not pay for it
+
         known = list(dict.fromkeys(known))
         near = get_close_matches(name, known, n=1, cutoff=0.5) or [k for k in known if k.lower() == name.lower()]
         if near:

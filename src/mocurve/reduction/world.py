@@ -48,7 +48,7 @@ class Round(NamedTuple):
 
 ROUNDS = {
     "fast": [Round(0.45, 1, "fast"), Round(1.2, 1, "default"), Round(2.4, 1, "default")],
-    "default": [Round(0.3, 2, "fast"), Round(0.8, 2, "default"), *[Round(2.4, 2, "good")] * 3],
+    "default": [Round(0.4, 2, "fast"), Round(1.6, 2, "default"), *[Round(2.4, 2, "good")] * 4],
     "good": [*(Round(stray, 3, "good") for stray in (0.3, 0.6, 1.2)), *[Round(2.4, 3, "good")] * 6],
     "best": [*(Round(stray, 4, "best") for stray in (0.3, 0.6, 1.2)), *[Round(2.4, 4, "best")] * 12],
 }
