@@ -48,7 +48,7 @@ def test_the_page_says_what_is_there() -> None:
         "  3 joints, 0 end sites, 12 channels",
         "  rotation orders: ZXY x 3",
         "  60 frames at 120 fps, 0.49 s",
-        "  170 units tall at rest: 1.70 m, the unit being the cm (guessed from this height; unit= sets it)",
+        "  170 units tall at rest: 1.70 m, the unit being the cm (guessed from this height; the option unit says it)",
     ]
 
 

@@ -65,7 +65,7 @@ class Info:
         height = f"{self.rest_height:.4g} units tall at rest"
         if self.unit is None:
             return f"{height}: no length unit can be guessed"
-        how = "as said" if self.unit.said else "guessed from this height; unit= sets it"
+        how = "as said" if self.unit.said else "guessed from this height; the option unit says it"
         return f"{height}: {self.rest_height * self.unit.metres:.2f} m, the unit being the {self.unit.name} ({how})"
 
     def to_json(self) -> dict[str, Any]:
