@@ -23,6 +23,8 @@ from .report_sweep import sweep_data
 
 KINDS = (".html", ".json", ".txt")
 
+SCRIPTS = ("base.js", "curves.js", "figures.js", "errors.js")  # in this order, one scope
+
 
 def save(report: Report | tuple[Clip, Clip], path: str | PathLike[str], *, sweep: bool = True) -> None:
     """Write a report, or the comparison of two clips, as .html, .json or .txt.
@@ -63,7 +65,7 @@ def page(report: Report, title: str, *, sweep: bool = True) -> str:
         "title": html.escape(title),
         "version": __version__,
         "style": (folder / "page.css").read_text("utf-8"),
-        "script": (folder / "page.js").read_text("utf-8"),
+        "script": "".join((folder / name).read_text("utf-8") for name in SCRIPTS),
         "plotly": get_plotlyjs().replace("</script", "<\\/script"),
         "data": json.dumps(data).replace("<", "\\u003c"),  # so that no </script> comes from a joint's name
     }
