@@ -2,7 +2,8 @@
 leaves.
 
 Places are kept frame by frame, each coordinate of all points in one row, (F, 3, P): a channel moves one contiguous run
-of every row, which the compiler turns into vector instructions. Axes of the channels, (F, 3, C), likewise.
+of every row, which the compiler turns into vector instructions. Axes of the channels, (F, 3, C), likewise. No fast
+maths here: compiled anew it differed in the last digit from the same kernel out of the cache, and with it the keys.
 """
 
 from __future__ import annotations
@@ -12,9 +13,6 @@ from typing import NamedTuple
 import numpy as np
 
 from .._jit import kernel
-
-# What the compiler may do to sums: regroup and contract them. Not assume that all is finite: a limit may be infinite.
-SUMS = {"contract", "reassoc", "nsz", "arcp"}
 
 
 class Body(NamedTuple):
@@ -110,7 +108,7 @@ def reach_of_limits(body, k, points, axes, limits, floor, out):
         out[f] = 1.0 / most if most > 0.0 else np.inf
 
 
-@kernel(fastmath=SUMS)
+@kernel
 def sine_versine(x):
     """sin x and 1 - cos x (radians): by their series where it is exact to the last digit, which is faster too."""
     if abs(x) > 0.35:
@@ -121,7 +119,7 @@ def sine_versine(x):
     return sine, versine
 
 
-@kernel(fastmath=SUMS, inline="always")
+@kernel(inline="always")
 def arcs(first, last, own, k, f, points, target, axes, limits, B, C, E):
     """What changes d the points below rotation channel k allow at frame f: C sin d - B (1 - cos d) + E >= 0.
 
@@ -155,7 +153,7 @@ def shift_room(first, last, k, f, points, target, axes, limits, lo, hi):
     return lo, hi
 
 
-@kernel(fastmath=SUMS)
+@kernel
 def narrow(body, k, points, target, axes, limits, begin, end, low, high):
     """The tube of channel k: cuts [low, high] (F,), changes of the channel from where it is, to what keeps every point
     within its limit.
@@ -198,7 +196,7 @@ def narrow(body, k, points, target, axes, limits, begin, end, low, high):
         low[f], high[f] = min(lo * degrees, 0.0), max(hi * degrees, 0.0)
 
 
-@kernel(fastmath=SUMS)
+@kernel
 def turn(body, k, delta, begin, end, points, axes):
     """Change channel k by delta (F,) degrees or length at frames begin to end: moves the points and axes below it,
     exactly."""
