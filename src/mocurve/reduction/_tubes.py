@@ -8,11 +8,16 @@ maths here: compiled anew it differed in the last digit from the same kernel out
 
 from __future__ import annotations
 
+from math import factorial
 from typing import NamedTuple
 
 import numpy as np
 
 from .._jit import kernel
+
+# Taylor's coefficients of sin x and 1 - cos x
+S3, S5, S7, S9, S11, S13 = ((-1.0) ** k / factorial(2 * k + 1) for k in range(1, 7))
+C4, C6, C8, C10, C12, C14 = ((-1.0) ** (k + 1) / factorial(2 * k) for k in range(2, 8))
 
 
 class Body(NamedTuple):
@@ -114,8 +119,8 @@ def sine_versine(x):
     if abs(x) > 0.35:
         return np.sin(x), 1.0 - np.cos(x)
     q = x * x
-    sine = x * (1 - q / 6 * (1 - q / 20 * (1 - q / 42 * (1 - q / 72 * (1 - q / 110 * (1 - q / 156))))))
-    versine = q / 2 * (1 - q / 12 * (1 - q / 30 * (1 - q / 56 * (1 - q / 90 * (1 - q / 132 * (1 - q / 182))))))
+    sine = x + x * q * (S3 + q * (S5 + q * (S7 + q * (S9 + q * (S11 + q * S13)))))
+    versine = q * (0.5 + q * (C4 + q * (C6 + q * (C8 + q * (C10 + q * (C12 + q * C14))))))
     return sine, versine
 
 
