@@ -41,7 +41,10 @@ def fresh_worst(scene: world.Scene) -> float:
 # -- every step on the way ---------------------------------------------------------------------------
 @pytest.mark.parametrize("align", ["channel", "joint", "pose"])
 @pytest.mark.parametrize("percent", [0.05, 0.5])
-def test_limits_hold_after_every_step(cut: Motion, align: str, percent: float, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("again", [True, False], ids=["searched", "pruned"])
+def test_limits_hold_after_every_step(
+    cut: Motion, align: str, percent: float, again: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
     worst: dict[str, list[float]] = {}
     counts: list[tuple[int, int]] = []
 
@@ -60,8 +63,9 @@ def test_limits_hold_after_every_step(cut: Motion, align: str, percent: float, m
         monkeypatch.setattr(world, name, watched(name, getattr(world, name)))
     monkeypatch.setattr(world, "cores", lambda: 1)
     asked = problem(cut[:30], [f"{percent}%height"], align, 0.25)
-    world.fit(asked.motion, asked.groups, asked.limits, optimal.solve, True, "good")
-    assert set(worst) == {"_centre", "_search", "_prune"}
+    world.fit(asked.motion, asked.groups, asked.limits, optimal.solve, again, "good")
+    searched, pruned = {"_search"} if again else set(), set() if again and align == "channel" else {"_prune"}
+    assert set(worst) == {"_centre"} | searched | pruned
     assert max(max(values) for values in worst.values()) <= 1.0 + world.RESERVE
     assert all(after <= before for after, before in counts)
     assert any(after < before for after, before in counts)
