@@ -114,7 +114,7 @@ def plain(data: bytes) -> tuple[list[str], list[str], list[float], list[float], 
     title = r"(?i)(?<![^\s{}])(root|joint|site)(?![^\s{}])([^\r\n{}]*)"  # a name may look like anything
     names = [name for kind, name in re.findall(title, text) if kind.lower() != "site"]
     tree, _, rest = re.split(r"(?i)frame\s*time\s*:?\s*([^\s:]+)", re.sub(title, " ", text), maxsplit=1)
-    body = rest.partition(newline)[2]
+    body = re.split(r"\r\n|\r|\n", rest, maxsplit=1)[-1]  # the line of the frame time ends with whatever ends it
     channels = re.findall(r"(?i)[xyz](?:position|rotation)", tree)
     offsets = [float(x) for triple in re.findall(r"(?i)offset\s+(\S+)\s+(\S+)\s+([^\s{}]+)", tree) for x in triple]
     frames = int(re.findall(r"(?i)frames\s*:?\s*([0-9]+)", tree)[-1])
@@ -200,6 +200,9 @@ def main(minutes: float) -> None:
     files, counts = seeds(clips.folder()), Counter[str]()
     end = time.monotonic() + 60 * minutes
     with tempfile.TemporaryDirectory() as folder:
+        first = Path(folder) / "first.bvh"
+        first.write_bytes(files[0])
+        outcome(first, CHUNKS[-1], True)  # compiles: no file's fault
         while time.monotonic() < end:
             data = mutate(rng.choice(files), rng)
             try:
