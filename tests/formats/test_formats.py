@@ -12,11 +12,29 @@ import mocurve as mc
 from mocurve.formats import FORMATS, format_of, metres
 from mocurve.progress import listening
 
+OPTIONS = {"read": {"skeleton", "animation"}, "write": {"profile", "tolerance", "mesh", "lossless"}}
+
 
 @pytest.mark.parametrize("extension", FORMATS)
-def test_every_format_reads_and_writes_by_the_same_contract(extension):
-    assert list(inspect.signature(format_of(extension).read).parameters) == ["path"]
-    assert list(inspect.signature(format_of(extension).write).parameters) == ["path", "clip", "lossless"]
+@pytest.mark.parametrize(("verb", "first"), [("read", ["path"]), ("write", ["path", "clip"])])
+def test_every_format_takes_some_of_the_common_options(extension, verb, first):
+    form = format_of(extension)
+    names = list(inspect.signature(getattr(form, verb)).parameters)
+    assert names[: len(first)] == first
+    assert set(names[len(first) :]) <= OPTIONS[verb]
+    assert verb == "read" or ("profile" in names) == hasattr(form, "PROFILES")
+
+
+def test_an_option_that_a_format_has_no_use_for_is_refused(tmp_path, keys):
+    with pytest.raises(mc.OptionError, match=r"^\.bvh files have no option profile$"):
+        mc.write(tmp_path / "a.bvh", keys, profile="baked")
+    with pytest.raises(mc.OptionError, match=r"^\.curves\.json files have no option skeleton$"):
+        mc.read(tmp_path / "a.curves.json", skeleton="a.asf")
+
+
+def test_a_format_of_one_clip_refuses_several(tmp_path, keys):
+    with pytest.raises(mc.OptionError, match=r"a \.bvh file holds one clip; write 2 files"):
+        mc.write(tmp_path / "a.bvh", {"walk": keys, "run": keys})
 
 
 @pytest.mark.parametrize("extension", [name for name in FORMATS if name != ".csv"])

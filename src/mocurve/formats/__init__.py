@@ -1,13 +1,20 @@
-"""Files: one module a format, each with `read(path) -> clip` and `write(path, clip, lossless)`."""
+"""Files: one module a format, each with `read(path, ...)` and `write(path, clip, ...)`.
+
+A format takes only the options that its own two functions name; `PROFILES`, where a module has them, are the ways that
+it can be written, the first by default.
+"""
 
 from __future__ import annotations
 
+import inspect
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from importlib import import_module
 from os import PathLike, fsdecode
-from typing import TYPE_CHECKING, Protocol, cast
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
 
-from ..errors import OptionError
+from ..errors import OptionError, UnknownName
 
 if TYPE_CHECKING:
     from ..keyed import KeyedMotion
@@ -17,26 +24,83 @@ FORMATS = {".bvh": "bvh", ".curves.json": "curves_json", ".csv": "csv", ".npz": 
 UNITS = {"mm": 0.001, "cm": 0.01, "m": 1.0, "in": 0.0254, "inch": 0.0254, "ft": 0.3048}  # metres
 
 
-def read(path: str | PathLike[str], *, unit: str | float | None = None) -> Motion | KeyedMotion:
+def read(
+    path: str | PathLike[str],
+    *,
+    unit: str | float | None = None,
+    skeleton: str | PathLike[str] | None = None,
+    animation: str | None = None,
+) -> Motion | KeyedMotion:
     """Read a clip; the extension says which format.
 
-    unit: what one length unit is, "mm" "cm" "m" "in" "ft" or metres as a number; None keeps what the file says.
-    OptionError for an extension or unit that is not known, FileError for a file that cannot be read.
+    Parameters
+    ----------
+    unit
+        What one length unit is: mm, cm, m, in, ft or metres as a number; None keeps what the file says.
+    skeleton
+        File that holds the body where the clip's own file has only the motion: x.asf for x.amc.
+    animation
+        Which animation of a file that holds several, by name; None is the first.
 
-        walk = mc.read("walk.bvh", unit="inch")
+    OptionError for an extension, a unit or an option that the format does not know, FileError for a file that cannot be
+    read.
+
+    >>> walk = mc.read("walk.bvh", unit="inch")
     """
-    clip = format_of(path).read(path)
+    form, extension = _format(path)
+    clip = form.read(path, **_taken(form.read, extension, skeleton=skeleton, animation=animation))
     return clip if unit is None else replace(clip, skeleton=replace(clip.skeleton, unit=metres(unit)))
 
 
-def write(path: str | PathLike[str], clip: Clip, *, lossless: bool = False) -> None:
+def write(
+    path: str | PathLike[str],
+    clip: Clip | Mapping[str, Clip],
+    *,
+    profile: str | None = None,
+    tolerance: str | None = None,
+    mesh: bool = True,
+    lossless: bool = False,
+) -> None:
     """Write a clip; the extension says which format. An existing file is replaced only when all is written.
 
-    lossless: numbers with all their digits, where the format otherwise rounds (BVH and CSV: to six decimals).
+    Parameters
+    ----------
+    clip
+        One clip, or {name: clip} of one body for a format that holds several animations (.glb, .gltf).
+    profile
+        How, where a format knows several ways; `mocurve convert --help` tells them.
+    tolerance
+        How far a profile that chooses keys of its own may leave the clip (as of `reduce`); None: what the clip was
+        reduced with, else the default of `reduce`.
+    mesh
+        False: leave out the figure that viewers show around the bones.
+    lossless
+        Numbers with all their digits, where the format otherwise rounds (BVH, CSV: six decimals).
 
-        mc.write("walk.curves.json", keys)
+    >>> mc.write("walk.curves.json", keys)
     """
-    format_of(path).write(path, clip, lossless)
+    form, extension = _format(path)
+    options = {
+        "profile": profile,
+        "tolerance": tolerance,
+        "lossless": lossless or None,
+        "mesh": None if mesh else False,
+    }
+    taken = _taken(form.write, extension, **options)
+    if profile is not None and profile not in form.PROFILES:
+        raise UnknownName(f"profile of {extension}", profile, form.PROFILES)
+    if isinstance(clip, Mapping) and not getattr(form, "SEVERAL", False):
+        raise OptionError(f"a {extension} file holds one clip; write {len(clip)} files")
+    form.write(path, clip, **taken)
+
+
+def _taken(function: Callable[..., Any], extension: str, **options: Any) -> dict[str, Any]:
+    """The options that were given; OptionError for one that this format has no use for."""
+    given = {name: value for name, value in options.items() if value is not None}
+    for name in given:
+        if name not in inspect.signature(function).parameters:
+            raise OptionError(f"{extension} files have no option {name}")
+    return given
 
 
 def metres(unit: str | float) -> float:
@@ -52,17 +116,14 @@ def metres(unit: str | float) -> float:
     return number
 
 
-class Format(Protocol):
-    """What the module of a format has."""
-
-    def read(self, path: str | PathLike[str]) -> Motion | KeyedMotion: ...
-    def write(self, path: str | PathLike[str], clip: Clip, lossless: bool) -> None: ...
-
-
-def format_of(path: str | PathLike[str]) -> Format:
+def format_of(path: str | PathLike[str]) -> ModuleType:
     """The module that reads and writes files of that name; OptionError where none does."""
+    return _format(path)[0]
+
+
+def _format(path: str | PathLike[str]) -> tuple[ModuleType, str]:
     name = fsdecode(path).lower()
     for extension in sorted(FORMATS, key=len, reverse=True):
         if name.endswith(extension):
-            return cast(Format, import_module(f".{FORMATS[extension]}", __name__))
+            return import_module(f".{FORMATS[extension]}", __name__), extension
     raise OptionError(f"no format known for {fsdecode(path)!r}; a file name ends in {', '.join(FORMATS)}")
