@@ -56,13 +56,15 @@ def places(
 
 
 def spikes(lengths: tuple[int, int], size: tuple[float, float], share: float) -> Kind:
-    """Each frame of a run is off by its own amount."""
+    """Each frame of a run is off by its own amount; in half of the runs all to the same side."""
 
     def put(rng: np.random.Generator, values: np.ndarray, groups: Groups) -> tuple[np.ndarray, np.ndarray]:
         noisy, bad = values.copy(), np.zeros(values.shape, bool)
         for joint, first, end in places(rng, len(values), groups, lengths, share, 2):
+            one_side = rng.random() < 0.5
             for channel in some(rng, joint):
-                noisy[first:end, channel] += signed(rng, size, end - first)
+                off = signed(rng, size, end - first)
+                noisy[first:end, channel] += np.abs(off) * np.sign(off[0]) if one_side else off
                 bad[first:end, channel] = True
         return noisy, bad
 

@@ -115,7 +115,9 @@ def tell_jitter(rows: list[Row], kind: str) -> None:
     mine = [row for row in rows if row["kind"] == kind]
     sigmas = [sigma for sigma in SIGMAS if any(row["sigma"] == sigma for row in mine)]
     print(f"\n{kind}: RMSE / oracle, medians by sigma, then pooled; parts of peaks kept, the oracle's, peaks; cut")
-    print(f"{'':11}" + "".join(f"{sigma:>7} deg" for sigma in sigmas) + HEAD + f"{'peaks':>8}{'oracle':>8}{'n':>6}    cut")
+    print(
+        f"{'':11}" + "".join(f"{sigma:>7} deg" for sigma in sigmas) + HEAD + f"{'peaks':>8}{'oracle':>8}{'n':>6}    cut"
+    )
     for shape in SHAPES:
         for rate in RATES:
             cell = [row for row in mine if row["shape"] == shape and row["rate"] == rate]

@@ -124,7 +124,7 @@ def _event(rng: np.random.Generator, t: np.ndarray) -> np.ndarray:
     if which == 1:
         ring = np.exp(-np.maximum(t, 0) / 0.06) * np.sin(2 * np.pi * rng.uniform(10, 16) * t)
         return rng.uniform(2, 6) * np.where(t > 0, ring, 0.0)
-    half = rng.uniform(0.06, 0.08)
+    half = rng.uniform(0.12, 0.16)  # seconds at half height; with its size at most 800 deg/s
     return rng.uniform(25, 60) * np.where(np.abs(t) < half, np.cos(np.pi * t / (2 * half)) ** 2, 0.0)
 
 
