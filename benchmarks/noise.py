@@ -19,9 +19,10 @@ from clips import folder
 from scipy.signal import butter, sosfiltfilt
 
 import mocurve as mc
+from mocurve.info import unit_of
 
 FRAMES = 600  # most frames of a case
-SIGMAS = (0.2, 0.5, 1.0)  # degrees of white noise
+SIGMAS = (0.2, 0.5, 1.0)  # degrees (or centimetres) of white noise
 RATES = (120, 60, 30)  # the clip's rate, a half and a quarter of it; named after those of CMU clips
 JITTER = "jitter"  # the kind of a case without artefacts
 CUTOFFS = 21
@@ -29,11 +30,11 @@ IMPACTS = 8
 
 
 class Source(NamedTuple):
-    """Joints of a clip from some frame on; fps where the file's frame time is wrong."""
+    """Joints of a clip from some frame on; fps where the file's frame time is wrong. "Hips at" are its positions."""
 
     path: str
     first: int
-    joints: tuple[str, str, str]
+    joints: tuple[str, ...]
     fps: float | None = None
 
 
@@ -45,11 +46,11 @@ TUNE = {
     "run": Source("cmu/cmu_02_03_run.bvh", 1, ("ltibia", "rhumerus", "lfoot"), 120.0),
 }
 HELD = {
-    "indian": Source("cmu/cmu_94_01_dance_max.bvh", 1200, ("RightElbow", "LeftKnee", "RightAnkle")),
-    "walk19": Source("cmu/cmu_walk_daz19.bvh", 1, ("RightShoulder", "LeftHip", "RightAnkle")),
+    "indian": Source("cmu/cmu_94_01_dance_max.bvh", 1200, ("RightElbow", "LeftKnee", "RightAnkle", "Hips at")),
+    "walk19": Source("cmu/cmu_walk_daz19.bvh", 1, ("RightShoulder", "LeftHip", "RightAnkle", "Hip at")),
     "run19": Source("cmu/cmu_run_filtered.bvh", 1, ("lShldr", "rThigh", "lForeArm")),
     "stroll": Source("cmu/cmu_02_01_walk_blender.bvh", 1, ("RightArm", "LeftLeg", "LeftFoot")),
-    "rokoko": Source("other/rokoko_dance_fingers.bvh", 200, ("LeftArm", "LeftLeg", "RightForeArm")),
+    "rokoko": Source("other/rokoko_dance_fingers.bvh", 200, ("LeftArm", "LeftLeg", "RightForeArm", "Hips at")),
     "hands": Source("other/hands_60_joints.bvh", 0, ("RightHandPinky2", "RightArm", "RightHandIndex1")),
     "jump, later": Source("cmu/cmu_01_01_jump.bvh", 1500, ("RightArm", "LeftUpLeg", "Head")),
     "martial, later": Source("cmu/cmu_135_04_martial_daz.bvh", 700, ("lThigh", "lShldr", "rFoot")),
@@ -89,14 +90,16 @@ def seeded(name: str) -> np.random.Generator:
 
 @lru_cache(maxsize=64)
 def real(path: str, first: int, joints: tuple[str, ...], smooth: bool, fps: float | None) -> tuple[np.ndarray, float]:
-    """Rotation channels (F, 3 joints) of a clip at its own rate, and that rate."""
+    """Channels (F, 3 joints) of a clip at its own rate, degrees and centimetres, and that rate."""
     motion = mc.unroll(mc.read(folder() / path)[first:])
     rate = fps or 1 / motion.frame_time
-    columns, start = {}, 0
+    metres, columns, start = unit_of(motion).metres, {}, 0
     for name, kinds in zip(motion.skeleton.names, motion.skeleton.channels, strict=True):
-        columns[name] = [start + k for k, kind in enumerate(kinds) if kind.endswith("rotation")]
+        columns[name] = [(start + k, 1.0) for k, kind in enumerate(kinds) if kind.endswith("rotation")]
+        columns[f"{name} at"] = [(start + k, 100 * metres) for k, kind in enumerate(kinds) if kind.endswith("position")]
         start += len(kinds)
-    values = motion.values[:, [column for joint in joints for column in columns[joint]]]
+    chosen, scale = zip(*(column for joint in joints for column in columns[joint]), strict=True)
+    values = motion.values[:, list(chosen)] * scale
     return (butterworth(values, 6.0, rate) if smooth else values), rate
 
 
@@ -176,7 +179,10 @@ def butterworth(values: np.ndarray, cutoff: float, fps: float) -> np.ndarray:
 
 
 def oracle(truth: np.ndarray, noisy: np.ndarray, fps: float) -> np.ndarray:
-    """(F, C): each channel filtered by `butterworth` with the cut-off of 21 that is best for it, knowing the truth."""
+    """(F, C): each channel filtered by `butterworth` with the cut-off of 21 that is best for it, knowing the truth.
+
+    61 cut-offs, or longer padding at the ends, would lower its error by another 0.3 to 0.8 %.
+    """
     best = np.full(truth.shape[1], np.inf)
     found = np.empty_like(truth)
     for cutoff in np.geomspace(0.4, 0.48 * fps, CUTOFFS):
