@@ -61,9 +61,9 @@ def between(turns, a, b, out):
         return 1.0
     dot = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]
     side = 1.0 if dot >= 0.0 else -1.0
-    x = side * (a[0] * b[1] - a[1] * b[0] - a[2] * b[3] + a[3] * b[2])
-    y = side * (a[0] * b[2] + a[1] * b[3] - a[2] * b[0] - a[3] * b[1])
-    z = side * (a[0] * b[3] - a[1] * b[2] + a[2] * b[1] - a[3] * b[0])
+    x = side * (a[0] * b[1] - a[1] * b[0] + a[2] * b[3] - a[3] * b[2])
+    y = side * (a[0] * b[2] - a[2] * b[0] + a[3] * b[1] - a[1] * b[3])
+    z = side * (a[0] * b[3] - a[3] * b[0] + a[1] * b[2] - a[2] * b[1])
     sine = np.sqrt(x * x + y * y + z * z)
     out[0] = np.arctan2(sine, abs(dot))
     safe = sine if sine > SINGULAR else 1.0
