@@ -31,7 +31,7 @@ _RATES = (
     600,
     1000,
 )
-_USUAL = [(1, rate) for rate in _RATES] + [(1001, rate * 1000) for rate in (24, 30, 60, 120)]  # seconds as (k, fps)
+USUAL = [(1, rate) for rate in _RATES] + [(1001, rate * 1000) for rate in (24, 30, 60, 120)]  # seconds as (k, fps)
 _NEAR = 0.01  # frames a second
 
 
@@ -48,7 +48,7 @@ def snapped(digits: str) -> float:
     rate = round(1 / given)
     if rate and 1 / rate == given:
         return given
-    fits = [pair for pair in _USUAL if _within(pair, top, bottom)]
+    fits = [pair for pair in USUAL if _within(pair, top, bottom)]
     if not fits:
         fits = [(1, rate)] if rate and abs(1 / given - rate) < _NEAR and _within((1, rate), top, bottom) else []
     return fits[0][0] / fits[0][1] if fits else given
