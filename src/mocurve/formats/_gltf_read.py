@@ -6,6 +6,7 @@ its parent, and its offset is the translation of the node. Scale is worked into 
 
 from __future__ import annotations
 
+import os
 import warnings
 from collections.abc import Sequence
 
@@ -40,7 +41,10 @@ def read(path: Path, *, animation: str | None = None) -> Motion:
     nodes = tree(document)
     found = tracks.animation(document, animation)
     mine = own.motion(nodes, found)
-    return _motion(nodes, found) if mine is None else mine
+    motion = _motion(nodes, found) if mine is None else mine
+    for text in document.odd:
+        warnings.warn(f"{os.fsdecode(path)}: {text}", stacklevel=4)
+    return motion
 
 
 def _motion(nodes: Tree, animation: Animation) -> Motion:
@@ -48,7 +52,7 @@ def _motion(nodes: Tree, animation: Animation) -> Motion:
     if not animation.tracks:
         document.fail("animations", "none that moves a node: there is no motion to read")
     body = _body(nodes, animation)
-    frames = rate.guessed(list(animation.times.values()))
+    frames = rate.guessed(list(animation.times.values()), document.odd)
     tracks.check_size(document, frames, 3 * len(body) + 3)
     places = _places(nodes, animation, body, frames)
     index = {node: joint for joint, node in enumerate(body)}
@@ -83,8 +87,8 @@ def _body(nodes: Tree, animation: Animation) -> list[int]:
     body = nodes.with_ancestors(set(joints(document)))
     if animated.isdisjoint(body):
         body = nodes.with_ancestors(animated)
-    _warn("animated nodes that are no joints are dropped", nodes, sorted(animated.difference(body)))
-    _warn("shear is dropped", nodes, [node for node in body if node in nodes.sheared])
+    _tell(document.odd, "animated nodes that are no joints are dropped", nodes, sorted(animated.difference(body)))
+    _tell(document.odd, "shear is dropped", nodes, [node for node in body if node in nodes.sheared])
     if len(body) > MAX_JOINTS:
         document.fail("nodes", f"at most {MAX_JOINTS} joints expected, {len(body)} found")
     return body
@@ -112,11 +116,11 @@ def _places(nodes: Tree, animation: Animation, body: list[int], frames: Frames) 
         right_below[node], whole[node] = whole[parent] * scale, whole[parent] * even
     parents = {nodes.parents[node] for node in body}
     told = "scale that differs between the axes is kept only for the joints right below"
-    _warn(told, nodes, [node for node in uneven if node in parents])
+    _tell(animation.document.odd, told, nodes, [node for node in uneven if node in parents])
     return places
 
 
-def _warn(what: str, nodes: Tree, which: Sequence[int]) -> None:
+def _tell(odd: list[str], what: str, nodes: Tree, which: Sequence[int]) -> None:
     if which:
         names = ", ".join(nodes.names[node] for node in which[:5]) + (" …" if len(which) > 5 else "")
-        warnings.warn(f"{what}: {names}", stacklevel=6)
+        odd.append(f"{what}: {names}")

@@ -8,7 +8,6 @@ import json
 import os
 import re
 import struct
-import warnings
 from typing import Any, NoReturn
 from urllib.parse import unquote
 
@@ -26,6 +25,7 @@ class Document:
 
     def __init__(self, path: Path):
         self.path = path
+        self.odd: list[str] = []  # what the user is to be warned of
         with opened(path) as file:
             raw = file.read()
         self.size = len(raw)
@@ -138,7 +138,7 @@ class Document:
         if length > len(raw):
             raise FileError(f"cut: the header announces {length} bytes, {len(raw)} are there", self.path)
         if length < len(raw):
-            warnings.warn(f"{len(raw) - length} bytes after the end of the GLB are left aside", stacklevel=2)
+            self.odd.append(f"{len(raw) - length} bytes after the end of the GLB are left aside")
         chunks: list[tuple[int, memoryview]] = []
         at = _HEADER.size
         while at + _CHUNK.size <= length and len(chunks) < 2:

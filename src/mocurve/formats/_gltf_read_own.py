@@ -6,7 +6,6 @@ program has changed them, the file is read as any other.
 
 from __future__ import annotations
 
-import warnings
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -47,7 +46,7 @@ def motion(nodes: Tree, animation: Animation) -> Motion | None:
         written = _written(nodes, animation, said, timing)
         _check(nodes, animation, written)
     except FileError as error:
-        warnings.warn(f"extras.mocurve does not fit the file and is left aside: {error.message}", stacklevel=4)
+        animation.document.odd.append(f"extras.mocurve does not fit the file and is left aside: {error.message}")
         return None
     values = _values(nodes, animation, written)
     return Motion(written.body, values, written.frames.frame_time, written.history)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
-
 import numpy as np
 
 from ..motion import frame_count
@@ -14,23 +12,23 @@ _HIGHEST = 1000  # frames a second
 _SAMPLE = 1000  # key times that each rate is tried on
 
 
-def guessed(times: list[np.ndarray]) -> Frames:
+def guessed(times: list[np.ndarray], odd: list[str]) -> Frames:
     """Frames from the first key to the last, at the lowest usual rate (else whole one) that has a frame at every key.
 
-    Where no rate has, 30 or 60 frames a second, with a warning.
+    Where no rate has, 30 or 60 frames a second, and `odd` gets the sentence.
     """
     keys = np.unique(np.concatenate(times))
     first, duration = float(keys[0]), float(keys[-1] - keys[0])
     frame_time = _step(keys) if len(keys) > 1 else 1 / 30
     if frame_time is None:
         rate = 60 if np.median(np.diff(keys)) < 0.03 else 30
-        warnings.warn(f"its keys fit no frame rate: read at {rate} frames a second", stacklevel=3)
+        odd.append(f"its keys fit no frame rate: read at {rate} frames a second")
         frame_time = 1 / rate
         count = frame_count(duration, frame_time)
     else:
         count = round(duration / frame_time) + 1
     if first > 1.5 * frame_time:
-        warnings.warn(f"the first key is at second {first:.6g}: frame 0 is there", stacklevel=3)
+        odd.append(f"the first key is at second {first:.6g}: frame 0 is there")
     return Frames(frame_time, count, first)
 
 

@@ -3,7 +3,6 @@ of the specification)."""
 
 from __future__ import annotations
 
-import warnings
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -49,7 +48,7 @@ def animation(document: Document, name: str | None) -> Animation:
     names = [document.name(one, f"animations[{i}]") for i, one in enumerate(known)]
     if name is None and len(names) > 1:
         others = ", ".join(map(repr, names[1:11])) + (" …" if len(names) > 11 else "")
-        warnings.warn(f"{len(names)} animations: {names[0]!r} is read, not {others}", stacklevel=2)
+        document.odd.append(f"{len(names)} animations: {names[0]!r} is read, not {others}")
     if name is not None and name not in names:
         raise UnknownName("animation", name, names)
     index = 0 if name is None else names.index(name)
@@ -84,7 +83,7 @@ class _Reader:
                 tracks[node, path] = self.track(channel.get("sampler"), f"{place}.sampler", path)
         for path in sorted(dropped):
             what = "the weights of morph targets" if path == "weights" else "animations of other things than nodes"
-            warnings.warn(f"{what} are dropped", stacklevel=5)
+            self.document.odd.append(f"{what} are dropped")
         return Animation(self.document, tracks, self.times, self.told)
 
     def track(self, index: Any, place: str, path: str) -> Track:
