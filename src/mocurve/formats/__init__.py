@@ -20,7 +20,14 @@ if TYPE_CHECKING:
     from ..keyed import KeyedMotion
     from ..motion import Clip, Motion
 
-FORMATS = {".bvh": "bvh", ".curves.json": "curves_json", ".csv": "csv", ".npz": "npz"}  # modules, loaded when needed
+FORMATS = {  # modules, loaded when needed
+    ".bvh": "bvh",
+    ".curves.json": "curves_json",
+    ".csv": "csv",
+    ".npz": "npz",
+    ".glb": "gltf",
+    ".gltf": "gltf",
+}
 UNITS = {"mm": 0.001, "cm": 0.01, "m": 1.0, "in": 0.0254, "inch": 0.0254, "ft": 0.3048}  # metres
 
 
