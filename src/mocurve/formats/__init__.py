@@ -27,6 +27,8 @@ FORMATS = {  # modules, loaded when needed
     ".npz": "npz",
     ".glb": "gltf",
     ".gltf": "gltf",
+    ".amc": "acclaim",
+    ".asf": "acclaim",
 }
 UNITS = {"mm": 0.001, "cm": 0.01, "m": 1.0, "in": 0.0254, "inch": 0.0254, "ft": 0.3048}  # metres
 
