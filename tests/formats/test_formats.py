@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import inspect
+import re
 
 import numpy as np
 import pytest
@@ -37,8 +38,8 @@ def test_a_format_of_one_clip_refuses_several(tmp_path, keys):
         mc.write(tmp_path / "a.bvh", {"walk": keys, "run": keys})
 
 
-@pytest.mark.parametrize("extension", [name for name in FORMATS if name not in (".csv", ".amc", ".asf", ".glb", ".gltf")])
-def test_every_format_gives_back_the_samples_of_keys(tmp_path, keys, extension):
+@pytest.mark.parametrize("extension", [".bvh", ".curves.json", ".npz"])
+def test_formats_of_all_channels_give_back_the_samples_of_keys(tmp_path, keys, extension):
     path = tmp_path / f"A B{extension.upper()}"
     mc.write(str(path), keys, lossless=True)
     back = mc.read(path)
@@ -54,9 +55,9 @@ def test_every_format_says_what_is_missing(tmp_path, extension):
     assert str(caught.value).startswith(str(tmp_path))
 
 
-@pytest.mark.parametrize("name", ["clip", "clip.fbx", "clip.json", "clip.bvh.gz", ""])
+@pytest.mark.parametrize("name", ["clip", "clip.obj", "clip.json", "clip.bvh.gz", ""])
 def test_an_unknown_extension_names_the_known_ones(name):
-    with pytest.raises(mc.OptionError, match=r"a file name ends in \.bvh, \.curves\.json, \.csv, \.npz"):
+    with pytest.raises(mc.OptionError, match=re.escape(f"a file name ends in {', '.join(FORMATS)}")):
         mc.read(name)
 
 

@@ -23,12 +23,16 @@ if TYPE_CHECKING:
 FORMATS = {  # modules, loaded when needed
     ".bvh": "bvh",
     ".curves.json": "curves_json",
+    ".blend.py": "blender",
     ".csv": "csv",
     ".npz": "npz",
     ".glb": "gltf",
     ".gltf": "gltf",
     ".amc": "acclaim",
     ".asf": "acclaim",
+    ".fbx": "fbx",
+    ".ma": "maya",
+    ".usda": "usd",
 }
 UNITS = {"mm": 0.001, "cm": 0.01, "m": 1.0, "in": 0.0254, "inch": 0.0254, "ft": 0.3048}  # metres
 
