@@ -59,7 +59,8 @@ class Scene:
 
     def glb(self, path: Path) -> Path:
         self.json["buffers"][0].setdefault("byteLength", len(self.bytes))
-        return glb(path, json.dumps(self.json).encode(), self.bytes)
+        path.write_bytes(glb(json.dumps(self.json).encode(), self.bytes))
+        return path
 
     def gltf(self, path: Path, beside: str | None = None, uri: str | None = None) -> Path:
         """With a data URI, or with its bytes in a file `beside` it."""
@@ -72,12 +73,12 @@ class Scene:
         return path
 
 
-def glb(path: Path, text: bytes, binary: bytes) -> Path:
+def glb(text: bytes, binary: bytes) -> bytes:
+    """A GLB of JSON and a binary chunk."""
     text += b" " * (-len(text) % 4)
     binary += b"\0" * (-len(binary) % 4)
     chunks = struct.pack("<II", len(text), 0x4E4F534A) + text + struct.pack("<II", len(binary), 0x004E4942) + binary
-    path.write_bytes(struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks)
-    return path
+    return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
 
 
 def turn(degrees: float, axis: int = 2) -> list[float]:

@@ -26,6 +26,7 @@ from ._gltf_read_tree import MAX_JOINTS, Tree, joints, tree
 ORDER = "ZYX"
 _POSITIONS, _ROTATIONS = tuple(f"{axis}position" for axis in AXES), tuple(f"{axis}rotation" for axis in ORDER)
 _STILL = 1e-6  # of the body's largest coordinate: a translation that moves less does not move
+_LARGEST = 1e60  # metres or scale: far from what a number holds, so that nothing overflows
 _SAME = 1e-4  # relative: scales that differ less between the axes are one
 
 
@@ -114,6 +115,8 @@ def _places(nodes: Tree, animation: Animation, body: list[int], frames: Frames) 
         else:
             scale = even
         right_below[node], whole[node] = whole[parent] * scale, whole[parent] * even
+        if max(np.abs(places[-1]).max(), np.abs(whole[node]).max()) > _LARGEST:
+            animation.document.fail(f"nodes[{node}]", "scaled to more than any length")
     parents = {nodes.parents[node] for node in body}
     told = "scale that differs between the axes is kept only for the joints right below"
     _tell(animation.document.odd, told, nodes, [node for node in uneven if node in parents])

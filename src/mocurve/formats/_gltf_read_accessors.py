@@ -34,9 +34,10 @@ def floats(document: Document, index: Any, place: str, kind: str, count: int | N
     if count is not None and said != count:
         document.fail(f"{place}.count", f"{count} expected, {said} found")
     component = accessor.get("componentType")
-    if component != _FLOAT and not (kind == "VEC4" and component in _LARGEST and accessor.get("normalized") is True):
-        or_integers = " or normalized integers" if kind == "VEC4" else ""
-        document.fail(f"{place}.componentType", f"5126 (float){or_integers} expected, {str(component)[:40]} found")
+    integers = kind == "VEC4" and accessor.get("normalized") is True
+    if type(component) is not int or not (component == _FLOAT or (integers and component in _LARGEST)):
+        expected = "5126 (float)" + (" or normalized integers" if kind == "VEC4" else "")
+        document.fail(f"{place}.componentType", f"{expected} expected, {str(component)[:40]} found")
     dtype, width = np.dtype(_COMPONENTS[component]), _WIDTHS[kind]
     values = _dense(document, accessor, place, dtype, width, said, count is not None)
     if "sparse" in accessor:

@@ -103,7 +103,7 @@ class Document:
     def _embedded(self, index: int, place: str) -> memoryview:
         if index == 0 and self.chunk is not None:
             return self.chunk
-        if any("meshopt" in str(name) for name in self.data.get("extensionsUsed") or ()):
+        if "meshopt" in str(self.data.get("extensionsUsed")):
             self.fail(place, "packed with EXT_meshopt_compression, which is not read; save it without compression")
         return self.fail(place, "neither a uri nor a binary chunk")
 

@@ -45,10 +45,10 @@ def motion(nodes: Tree, animation: Animation) -> Motion | None:
     try:
         written = _written(nodes, animation, said, timing)
         _check(nodes, animation, written)
+        values = _values(nodes, animation, written)
     except FileError as error:
         animation.document.odd.append(f"extras.mocurve does not fit the file and is left aside: {error.message}")
         return None
-    values = _values(nodes, animation, written)
     return Motion(written.body, values, written.frames.frame_time, written.history)
 
 
@@ -73,7 +73,7 @@ def _written(nodes: Tree, animation: Animation, said: dict[str, Any], timing: di
 
 def _above_0(document: Document, value: Any, place: str) -> float:
     number = document.numbers([value], place, 1)[0]
-    return number if number > 0 else document.fail(place, f"a number above 0 expected, {number} found")
+    return number if number > 1e-30 else document.fail(place, f"a number above 0 expected, {number} found")
 
 
 def _skeleton(document: Document, nodes: Tree, joints: list[int], said: dict[str, Any]) -> Skeleton:

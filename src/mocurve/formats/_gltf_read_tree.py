@@ -105,7 +105,7 @@ def _put_matrix(document: Document, value: Any, node: int, rest: dict[str, np.nd
     rest["translation"][node] = matrix[:3, 3]
     scale = np.linalg.norm(matrix[:3, :3], axis=0)
     rest["scale"][node] = scale
-    if not scale.all():  # flat: there is no rotation to be had from it
+    if scale.min() <= 1e-12 * scale.max():  # flat: there is no rotation to be had from it
         return False
     if np.linalg.det(matrix[:3, :3] / scale) < 0:
         scale[0] = -scale[0]
