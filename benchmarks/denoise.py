@@ -4,9 +4,10 @@
 
 Every error is an RMSE over a case's channels, told as a ratio to the *oracle*: a second-order Butterworth filter, both
 ways, for each channel the best of 21 cut-offs knowing the truth, on the data without artefacts. *known* is the same
-method told the true artefact frames: the bound for any detector in front of it. Recall counts the samples that are off
-by over 5 sigma; precision and recall are over frames x channels. *Peaks* are the largest second differences near the
-three largest of the truth, where these exceed 5 sigma, as a part of the truth's. Parameters were chosen on `tune`.
+method told the true artefact frames (for lasting offsets, their sizes): the bound for any detector in front of it.
+Recall counts the samples that are off by over 5 sigma; precision and recall are over frames x channels. *Peaks* are the
+largest second differences near the three largest of the truth, where these exceed 5 sigma, as a part of the truth's.
+Parameters were chosen on `tune`.
 """
 
 from __future__ import annotations
@@ -75,7 +76,9 @@ def scored(clean: Clean, case: Case) -> Row:
     if case.kind in FREE:
         row["peaks"] = peaks(result.values, best, case.truth, case.sigma)
     else:
-        known = clean(case.noisy, case.fps, case.groups, known=case.bad)
+        lasts = case.kind == "lasting"  # so long that only its size, not its frames, helps
+        given, told = (case.jittery, np.zeros_like(case.bad)) if lasts else (case.noisy, case.bad)
+        known = clean(given, case.fps, case.groups, known=told)
         visible = case.bad & ~(np.abs(case.noisy - case.jittery) <= 5 * case.sigma)  # NaN is visible
         row["known"] = rmse(known.values, case.truth)
         row["visible"], row["seen"] = int(visible.sum()), int((visible & result.masked).sum())

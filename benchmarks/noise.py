@@ -8,6 +8,7 @@ truth is to be a motion. Everything follows from the names and a seed.
 
 from __future__ import annotations
 
+import warnings
 import zlib
 from collections.abc import Iterator
 from functools import lru_cache
@@ -53,6 +54,9 @@ HELD = {
     "rokoko": Source("other/rokoko_dance_fingers.bvh", 200, ("LeftArm", "LeftLeg", "RightForeArm", "Hips at")),
     "hands": Source("other/hands_60_joints.bvh", 0, ("RightHandPinky2", "RightArm", "RightHandIndex1")),
     "jump, later": Source("cmu/cmu_01_01_jump.bvh", 1500, ("RightArm", "LeftUpLeg", "Head")),
+    "walk 16": Source("cmu/cmu_16_15.amc", 0, ("lfemur", "rhumerus", "root at")),
+    "run 16": Source("cmu/cmu_16_41.amc", 0, ("rfemur", "lhumerus", "head")),
+    "sideways": Source("cmu/cmu_09_12.amc", 400, ("lfemur", "rhumerus", "root")),
     "martial, later": Source("cmu/cmu_135_04_martial_daz.bvh", 700, ("lThigh", "lShldr", "rFoot")),
 }
 SETS = {"tune": TUNE, "held": HELD}
@@ -91,7 +95,9 @@ def seeded(name: str) -> np.random.Generator:
 @lru_cache(maxsize=64)
 def real(path: str, first: int, joints: tuple[str, ...], smooth: bool, fps: float | None) -> tuple[np.ndarray, float]:
     """Channels (F, 3 joints) of a clip at its own rate, degrees and centimetres, and that rate."""
-    motion = mc.unroll(mc.read(folder() / path)[first:])
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # a file without a frame rate, or with a T-pose
+        motion = mc.unroll(mc.read(folder() / path)[first:])
     rate = fps or 1 / motion.frame_time
     metres, columns, start = unit_of(motion).metres, {}, 0
     for name, kinds in zip(motion.skeleton.names, motion.skeleton.channels, strict=True):
