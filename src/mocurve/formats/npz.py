@@ -1,14 +1,19 @@
-"""Samples and skeleton as NumPy arrays in a zip file; what is in it is told in docs/formats.md."""
+"""Samples and skeleton as NumPy arrays in a zip file, and the poses of AMASS, which have the same extension.
+
+What is in them is told in docs/formats.md.
+"""
 
 from __future__ import annotations
 
 import json
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import FileError, MocurveError
+from ..errors import FileError, MocurveError, OptionError
 from ..motion import Clip, Motion
 from ..skeleton import Skeleton
 from ._files import Path, opened, replacing
@@ -16,7 +21,13 @@ from ._files import Path, opened, replacing
 if TYPE_CHECKING:
     from zipfile import ZipFile
 
+PROFILES = {
+    "mocurve": "everything of a motion",
+    "amass": "poses of SMPL joints as axis-angle, metres; the body is not in it",
+}
 VERSION = 1
+_POSES = {"poses": ("f", 2), "trans": ("f", 2)}  # AMASS
+_RATES = ("mocap_framerate", "mocap_frame_rate")
 _KINDS = {  # member: allowed NumPy kinds, dimensions
     "version": ("iu", 0),
     "values": ("f", 2),
@@ -33,33 +44,67 @@ _BOMB, _RATIO = 1 << 28, 100  # more bytes than this from a hundredth of them in
 _MAX_HEADER = 10_000
 
 
-def read(path: Path) -> Motion:
-    """The motion in an NPZ file that `write` made; nothing in it is ever executed. FileError for all other files."""
+def read(path: Path, *, skeleton: Path | None = None) -> Motion:
+    """The motion in an NPZ file that `write` made, or one of AMASS; nothing in it is ever executed.
+
+    `skeleton` is a clip whose joints have the bones that AMASS does not: without it a mean body, with a warning.
+    FileError for all other files, OptionError for a skeleton where the file has one.
+    """
     import zipfile  # loaded only where there is an NPZ file to read
+
+    with opened(path) as file, _refusing(path), zipfile.ZipFile(file) as archive:
+        _check_sizes(archive, os.fstat(file.fileno()).st_size, path)
+        posed = "poses.npy" in archive.namelist()
+        data = {name: _member(archive, name, kind, path) for name, kind in (_POSES if posed else _KINDS).items()}
+        given = [name for name in _RATES if f"{name}.npy" in archive.namelist()] if posed else []
+        rate = float(_member(archive, given[0], ("iuf", 0), path)) if given else None
+        own = None if posed else _motion(data, path)
+    if own is None:
+        from . import _amass  # not needed for our own files
+
+        return _amass.motion(data["poses"], data["trans"], rate, skeleton, path)
+    if skeleton is not None:
+        raise OptionError(f"{os.fspath(path)!r} has a skeleton; skeleton= is for files of AMASS")
+    return own
+
+
+@contextmanager
+def _refusing(path: Path) -> Iterator[None]:
+    """FileError for what goes wrong with a zip file, or with arrays that no motion can have."""
     from struct import error as struct_error
+    from zipfile import BadZipFile
     from zlib import error as zlib_error
 
-    unreadable = (zipfile.BadZipFile, struct_error, zlib_error, ValueError, TypeError, OSError, EOFError, SyntaxError)
-    with opened(path) as file:
-        size = os.fstat(file.fileno()).st_size
-        try:
-            with zipfile.ZipFile(file) as archive:
-                _check_sizes(archive, size, path)
-                data = {name: _member(archive, name, path) for name in _KINDS}
-            return _motion(data, path)
-        except FileError:
-            raise
-        except MocurveError as error:
-            raise FileError(f"its arrays make no motion: {error}", path) from error
-        except (*unreadable, RuntimeError, OverflowError) as error:
-            raise FileError(f"not an NPZ file of a motion: {error}", path) from error
+    unreadable = (BadZipFile, struct_error, zlib_error, ValueError, TypeError, OSError, EOFError, SyntaxError)
+    try:
+        yield
+    except FileError:
+        raise
+    except MocurveError as error:
+        raise FileError(f"its arrays make no motion: {error}", path) from error
+    except (*unreadable, RuntimeError, OverflowError) as error:
+        raise FileError(f"not an NPZ file of a motion: {error}", path) from error
 
 
-def write(path: Path, clip: Clip, lossless: bool = False) -> None:
-    """Write the samples of a clip, always with all digits."""
+def write(path: Path, clip: Clip, *, profile: str = "mocurve", lossless: bool = False) -> None:
+    """Write the samples of a clip, always with all digits; by the profile "amass" as that data set has them.
+
+    Mismatch where the joints are not those of an AMASS file. What that loses is warned of.
+    """
     motion = clip.sample()
+    if profile == "amass":
+        from . import _amass  # not needed for our own files
+
+        arrays = _amass.arrays(motion)
+    else:
+        arrays = _own(motion, path)
+    with replacing(path) as file:
+        np.savez(file, **arrays)  # type: ignore[arg-type]  # its stubs take the arrays for its own options
+
+
+def _own(motion: Motion, path: Path) -> dict[str, np.ndarray]:
     body = motion.skeleton
-    arrays = {
+    return {
         "version": np.array(VERSION),
         "values": motion.values,
         "frame_time": np.array(motion.frame_time),
@@ -71,8 +116,6 @@ def write(path: Path, clip: Clip, lossless: bool = False) -> None:
         "end_sites": body.end_sites,
         "history": np.array(json.dumps(list(motion.history))),
     }
-    with replacing(path) as file:
-        np.savez(file, **arrays)  # type: ignore[arg-type]  # its stubs take the arrays for its own options
 
 
 def _strings(texts: Any, path: Path) -> np.ndarray:
@@ -89,7 +132,7 @@ def _check_sizes(archive: ZipFile, size: int, path: Path) -> None:
         raise FileError(f"unpacks to {unpacked} bytes from {size}: a motion does not", path)
 
 
-def _member(archive: ZipFile, name: str, path: Path) -> np.ndarray:
+def _member(archive: ZipFile, name: str, kind: tuple[str, int], path: Path) -> np.ndarray:
     """One array, after its own account of its size has been checked against the zip's."""
     try:
         info = archive.getinfo(f"{name}.npy")
@@ -97,7 +140,7 @@ def _member(archive: ZipFile, name: str, path: Path) -> np.ndarray:
         raise FileError(f"the array {name!r} is not in it: no NPZ file of a motion", path) from None
     with archive.open(info) as stream:
         shape, dtype = _header(stream)
-        kinds, dimensions = _KINDS[name]
+        kinds, dimensions = kind
         if dtype.kind not in kinds or len(shape) != dimensions:
             raise FileError(
                 f"{name}: {dimensions} dimensions of kind {kinds!r} expected, {len(shape)} of {dtype} found", path
