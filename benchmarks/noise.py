@@ -2,8 +2,8 @@
 
 Truths: *lp6*, real clips low-passed at 6 Hz; *raw*, the same clips as they are (decimated without a filter); *impact*,
 synthetic joints with velocity kinks, ringing of 10-16 Hz and kicks of 120-160 ms. Two disjoint sets: parameters are
-chosen on `tune`, results are told for `held` too. Joints that come near gimbal lock or leap are not taken: the
-truth is to be a motion. Everything follows from the names and a seed.
+chosen on `tune`, results are told for `held` too. Joints that come near gimbal lock or leap (a second difference over
+18 degrees at the clip's own rate) are not taken: the truth is to be a motion. All follows from the names and a seed.
 """
 
 from __future__ import annotations
@@ -49,14 +49,15 @@ TUNE = {
 HELD = {
     "indian": Source("cmu/cmu_94_01_dance_max.bvh", 1200, ("RightElbow", "LeftKnee", "RightAnkle", "Hips at")),
     "walk19": Source("cmu/cmu_walk_daz19.bvh", 1, ("RightShoulder", "LeftHip", "RightAnkle", "Hip at")),
-    "run19": Source("cmu/cmu_run_filtered.bvh", 1, ("lShldr", "rThigh", "lForeArm")),
+    "run19": Source("cmu/cmu_run_filtered.bvh", 8, ("lShldr", "rThigh", "lForeArm")),
     "stroll": Source("cmu/cmu_02_01_walk_blender.bvh", 1, ("RightArm", "LeftLeg", "LeftFoot")),
     "rokoko": Source("other/rokoko_dance_fingers.bvh", 200, ("LeftArm", "LeftLeg", "RightForeArm", "Hips at")),
     "hands": Source("other/hands_60_joints.bvh", 0, ("RightHandPinky2", "RightArm", "RightHandIndex1")),
     "jump, later": Source("cmu/cmu_01_01_jump.bvh", 1500, ("RightArm", "LeftUpLeg", "Head")),
     "walk 16": Source("cmu/cmu_16_15.amc", 0, ("lfemur", "rhumerus", "root at")),
     "run 16": Source("cmu/cmu_16_41.amc", 0, ("rfemur", "lhumerus", "head")),
-    "sideways": Source("cmu/cmu_09_12.amc", 400, ("lfemur", "rhumerus", "root")),
+    "run 9": Source("cmu/cmu_09_01.amc", 0, ("lfemur", "rhumerus", "root")),
+    "sideways": Source("cmu/cmu_09_12.amc", 400, ("upperneck", "rfoot", "thorax")),
     "martial, later": Source("cmu/cmu_135_04_martial_daz.bvh", 700, ("lThigh", "lShldr", "rFoot")),
 }
 SETS = {"tune": TUNE, "held": HELD}
