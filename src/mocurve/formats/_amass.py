@@ -29,31 +29,9 @@ _NEAR = 1e-3  # frames a second: a rate as near as this to a whole one is that
 _CHANNELS = ("Xposition", "Yposition", "Zposition", *(f"{axis}rotation" for axis in _ORDER))
 _SIDES = ("left", "right")
 _BODY = [
-   
-    
-    "pelvis",
-    "left_hip",
-    "right_hip",
-    "spine1",
-    "left_knee",
-    "right_knee",
-    "spine2",
-    "left_ankle",
-    "right_ankle",
-    "spine3",
-    "left_foot",
-    "right_foot",
-    "neck",
-    "left_collar",
-    "right_collar",
-    "head",
-    "left_shoulder",
-    "right_shoulder",
-    "left_elbow",
-    "right_elbow",
-    "left_wrist",
-    "right_wrist",
-,
+    "pelvis", "left_hip", "right_hip", "spine1", "left_knee", "right_knee", "spine2", "left_ankle", "right_ankle",
+    "spine3", "left_foot", "right_foot", "neck", "left_collar", "right_collar", "head", "left_shoulder",
+    "right_shoulder", "left_elbow", "right_elbow", "left_wrist", "right_wrist",
 ]  # fmt: skip
 _FINGERS = [
     f"{side}_{finger}{i}"
