@@ -22,7 +22,11 @@ MAX_FRAMES = 100_000_000  # eleven days at 100 frames a second; sampling allocat
 def read(path: Path) -> KeyedMotion:
     """The keys in a .curves.json file, numbers exactly as written. FileError names the place in it that is wrong."""
     with opened(path) as file:
-        raw = file.read()
+        return parsed(file.read(), path)
+
+
+def parsed(raw: bytes, path: Path) -> KeyedMotion:
+    """The keys in the bytes of such a file; `path` is only named in errors."""
     try:
         data = json.loads(raw, parse_constant=_no_constant)
     except json.JSONDecodeError as error:
@@ -38,13 +42,13 @@ def write(path: Path, clip: Clip, lossless: bool = True) -> None:
     """Write the keys of a KeyedMotion, always with all digits; OptionError for a clip that has no keys."""
     if not isinstance(clip, KeyedMotion):
         raise OptionError(f"a .curves.json file holds keys, a {type(clip).__name__} has none: reduce it first")
-    text = _text(clip)
+    encoded = text(clip).encode()
     with replacing(path) as file:
-        file.write(text.encode())
+        file.write(encoded)
 
 
-def _text(keys: KeyedMotion) -> str:
-    """A line a joint and a line a curve, so that versions of a file can be compared."""
+def text(keys: KeyedMotion) -> str:
+    """What such a file holds, in ASCII: a line a joint and a line a curve, so that versions can be compared."""
     body = keys.skeleton
     head = {
         "format": FORMAT,
