@@ -1,4 +1,4 @@
-"""The Khronos validator and three.js, run by node; `npm install` in tests/formats/gltf gets them."""
+"""The Khronos validator, three.js and glTF-Transform, run by node; `npm install` in tests/formats/gltf gets them."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def missing() -> str | None:
     """What is not installed of node and its modules, None where all is there."""
     if shutil.which("node") is None:
         return "node is not installed"
-    if not (SCRIPTS / "node_modules" / "three").is_dir():
+    if not all((SCRIPTS / "node_modules" / name).is_dir() for name in ("three", "@gltf-transform")):
         return "run npm install in tests/formats/gltf"
     return None
 
@@ -52,6 +52,11 @@ def require() -> None:
 def validate(paths: Sequence[Path]) -> list[dict[str, Any]]:
     """Per file how many errors, warnings and infos the validator finds, and the first messages."""
     return _run("validate.mjs", [str(path) for path in paths])
+
+
+def rewrite(jobs: Sequence[tuple[Path, Path, str]]) -> None:
+    """(file, new file, how): files written again by glTF-Transform, in the ways that transform.mjs knows."""
+    _run("transform.mjs", [{"path": str(path), "output": str(new), "how": how} for path, new, how in jobs])
 
 
 def play(jobs: Sequence[tuple[Path, str | None, np.ndarray]]) -> list[Played]:

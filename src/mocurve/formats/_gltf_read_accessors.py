@@ -43,7 +43,8 @@ def floats(document: Document, index: Any, place: str, kind: str, count: int | N
     if "sparse" in accessor:
         values = values.copy()
         _put_sparse(document, accessor["sparse"], f"{place}.sparse", values)
-    result = values.astype(np.float64)
+    with np.errstate(invalid="ignore"):  # a NaN that signals: told below
+        result = values.astype(np.float64)
     if component != _FLOAT:
         result = np.maximum(result / _LARGEST[component], -1.0)
     bad = ~np.isfinite(result).all(axis=1)
