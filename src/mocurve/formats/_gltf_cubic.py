@@ -12,15 +12,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from .. import kinematics, rotation
+from .. import hermite, kinematics, rotation
 from ..keyed import HermiteCurve, KeyedMotion
 from ..motion import Motion
 from ..skeleton import AXES
-from ._gltf_write_tracks import JointTracks, Track, moving, turning
+from ._gltf_buffer import key_times
+from ._gltf_write_tracks import JointTracks, Track, local_places, moving, turning
 
 MOST_DEGREES = 1e-3  # off the curves, of a joint's own rotation; players are within twice that
 MOST_LENGTH = 8e-4  # off the curves in the world, file units; players are within 1e-3
 LEAST_DEGREES = 2e-5  # float32 quaternions are hardly better
+SLACKS = (16.0, 8.0, 4.0, 2.0, 1.0)  # joints seldom err together: times the part of MOST_LENGTH that is safe for each
 MOST_TURN = 120.0  # degrees that the angles of a joint move between two keys: more would hide from the samples
 SHORTEST = 0.26  # frames: no key is added within less than twice that
 SAMPLES = np.arange(1, 8) / 8.0  # of a stretch between two keys
@@ -30,14 +32,22 @@ def tracks(clip: KeyedMotion, motion: Motion) -> JointTracks:
     """Cubic keys of every joint; `motion` is the clip's own sampling."""
     curves = [_on_frames(curve, clip.frame_time) for curve in clip.curves]
     ends = np.unique([0.0, clip.duration])
-    limits = _limits(motion)
-    rotations, positions = [], []
-    for joint, ((columns, order), axes) in enumerate(zip(turning(clip.skeleton), moving(clip.skeleton), strict=True)):
-        mine = [curves[column] for column in columns]
-        rotations.append(_rotation(mine, order, limits[joint], ends, clip.frame_time) if mine else None)
-        offset = clip.skeleton.offsets[joint].tolist()
+    channels = list(zip(turning(clip.skeleton), moving(clip.skeleton), strict=True))
+    positions: list[Track | None] = []
+    for (_, axes), offset in zip(channels, clip.skeleton.offsets.tolist(), strict=True):
         moved = [curves[axes[axis]] if axis in axes else _still(offset[axis]) for axis in range(3)]
-        positions.append(_position(moved, ends) if axes else None)
+        positions.append(_position(moved, ends, clip.frame_time) if axes else None)
+    limits = _limits(motion)
+    halves = clip.sample(0.5 * clip.frame_time)
+    meant = kinematics.rotations(halves)
+    with np.errstate(over="ignore", invalid="ignore"):  # what is too large is told where it is written
+        for slack in SLACKS:
+            rotations = [
+                _rotation([curves[c] for c in columns], order, limit, ends, clip.frame_time) if columns else None
+                for ((columns, order), _), limit in zip(channels, np.minimum(slack * limits, MOST_DEGREES), strict=True)
+            ]
+            if slack == SLACKS[-1] or _apart(halves, meant, rotations) <= MOST_LENGTH:
+                break
     return JointTracks(tuple(rotations), tuple(positions))
 
 
@@ -67,6 +77,36 @@ def _limits(motion: Motion) -> np.ndarray:
         return np.clip(np.degrees(MOST_LENGTH / lever), LEAST_DEGREES, MOST_DEGREES)
 
 
+def _apart(halves: Motion, meant: np.ndarray, rotations: Sequence[Track | None]) -> float:
+    """How far joints are from where they should be, file units, at frames and half frames."""
+    times = np.arange(halves.frames) * halves.frame_time
+    seen = meant.copy()
+    for joint, track in enumerate(rotations):
+        if track is not None and track.slopes is not None:
+            parts = zip(track.values.T, track.slopes[1].T, track.slopes[0].T, strict=True)
+            seen[:, joint] = np.column_stack([hermite.evaluate(track.times, v, m, times, n) for v, m, n in parts])
+    seen = _of_length_1(seen)
+    places, parents = local_places(halves), halves.skeleton.parents
+    return float(
+        np.linalg.norm(_world(seen, places, parents) - _world(meant, places, parents), axis=2).max(initial=0.0)
+    )
+
+
+def _world(wxyz: np.ndarray, local: np.ndarray, parents: np.ndarray) -> np.ndarray:
+    """Places (F, J, 3) from rotations (F, J, 4) and places (F, J, 3) against the parents."""
+    turned, places = wxyz.copy(), local.copy()
+    for joint, parent in enumerate(parents):
+        if parent >= 0:
+            turned[:, joint] = rotation.mul(turned[:, parent], wxyz[:, joint])
+            places[:, joint] = places[:, parent] + rotation.rotate(turned[:, parent], local[:, joint])
+    return places
+
+
+def _of_length_1(wxyz: np.ndarray) -> np.ndarray:
+    size = np.linalg.norm(wxyz, axis=-1, keepdims=True)
+    return wxyz / np.where(size > 0, size, 1.0)
+
+
 def _rotation(curves: Sequence[HermiteCurve], order: str, limit: float, ends: np.ndarray, frame_time: float) -> Track:
     """Quaternion keys wxyz that are nowhere more than `limit` degrees off the curves (degrees) of the axes in order."""
     times = _union(curves, ends)
@@ -77,17 +117,28 @@ def _rotation(curves: Sequence[HermiteCurve], order: str, limit: float, ends: np
         middles = _middles(starts[wide], stops[wide], frame_time)
         added.append(middles)
         starts, stops = np.append(starts[wide], middles), np.append(middles, stops[wide])
-    times = np.sort(np.concatenate(added))
-    angles, arriving, leaving = _at(curves, times)
+    times, angles, arriving, leaving = _rounded(curves, np.sort(np.concatenate(added)), frame_time)
     wxyz, rates = _turned(angles, np.stack([arriving, leaving]), order)
     signs = np.where(np.sum(rotation.unroll(wxyz) * wxyz, axis=1) < 0, -1.0, 1.0)[:, None]  # a step may be a whole turn
     return Track(times, signs * wxyz, signs * rates)
 
 
-def _position(curves: Sequence[HermiteCurve], ends: np.ndarray) -> Track:
-    times = _union(curves, ends)
-    values, arriving, leaving = _at(curves, times)
+def _position(curves: Sequence[HermiteCurve], ends: np.ndarray, frame_time: float) -> Track:
+    times, values, arriving, leaving = _rounded(curves, _union(curves, ends), frame_time)
     return Track(times, values, np.stack([arriving, leaving]))
+
+
+def _rounded(
+    curves: Sequence[HermiteCurve], times: np.ndarray, frame_time: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Times as the file can have them, and as in `_at` what the curves are there.
+
+    A key of a broken tangent or a step stays on its own side: moved back it goes on as it leaves, moved on as it came.
+    """
+    near = key_times(times, frame_time).astype(np.float64)
+    values, arriving, leaving = _at(curves, times)
+    moved = (near - times)[:, None]
+    return near, values + moved * np.where(moved > 0, arriving, leaving), arriving, leaving
 
 
 def _still(value: float) -> HermiteCurve:
@@ -133,9 +184,7 @@ def _wide(
     q0, rate0 = _turned(first, leaving[None], order)
     q1, rate1 = _turned(last, arriving[None], order)
     meant = rotation.from_euler(_between(first, last, leaving, arriving, h), order)
-    seen = _between(q0, q1, rate0[0], rate1[0], h)
-    size = np.linalg.norm(seen, axis=-1, keepdims=True)
-    seen /= np.where(size > 0, size, 1.0)
+    seen = _of_length_1(_between(q0, q1, rate0[0], rate1[0], h))
     return far | ~(rotation.angle(meant, seen).max(axis=1) <= limit)
 
 

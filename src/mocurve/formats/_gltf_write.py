@@ -145,17 +145,14 @@ class Document:
         else:
             values = float32(self.scale * track.values, what)
         rest = UNTURNED if path == "rotation" else self.rest[joint]
-        if (values == values[0]).all() and (track.slopes is None or not track.slopes.any()):
+        alone = track.slopes is None or len(values) == 1 or not track.slopes.any()
+        if alone and (values == values[0]).all():
             return None if (values[0] == rest).all() else Keys(np.zeros(1, np.float32), values[:1])
         times = key_times(track.times, frame_time)
         if track.slopes is None:
             return Keys(times, values)
         slopes = track.slopes[..., [1, 2, 3, 0]] if path == "rotation" else self.scale * track.slopes
-        rounded = (np.diff(track.times) / np.diff(times.astype(np.float64)))[:, None]
-        arriving, leaving = slopes.copy()
-        arriving[1:] *= rounded  # so that rounded times change when the curve is where, not where it is
-        leaving[:-1] *= rounded
-        return Keys(times, values, float32(np.stack([arriving, leaving]), f"tangents, {what}"))
+        return Keys(times, values, float32(slopes, f"tangents, {what}"))
 
     def _sampler(self, keys: Keys) -> dict[str, Any]:
         times = self.buffer.add(keys.times, bounds=True)

@@ -26,7 +26,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -70,13 +70,14 @@ def write(
 
     OptionError for `cubic` without keys, for a tolerance that the profile has no use for, for numbers too large for 32
     bits and for a skeleton without joints; Mismatch where a number is not finite or the clips differ in their bodies.
-    Warns where keys lose their tangents, where the length unit is a guess, and where names stand twice.
+    Warns where keys lose their tangents or frames are left out unasked, where the length unit is a guess, where a name
+    stands twice, and where a clip has no frames.
     """
     if profile not in PROFILES:
         raise UnknownName("profile of glTF", profile, PROFILES)
     if tolerance is not None and profile != "linear":
         raise OptionError(f"the {profile} profile chooses no keys of its own and has no use for a tolerance")
-    from . import _gltf_write, _gltf_write_tracks  # what reading needs none of
+    from . import _gltf_buffer, _gltf_write, _gltf_write_tracks  # what reading needs none of
 
     title = os.path.splitext(os.path.basename(os.fsdecode(path)))[0]
     clips = dict(clip) if isinstance(clip, Mapping) else {title: clip}
@@ -88,12 +89,10 @@ def write(
         if not motions[name].frames:
             warnings.warn(f"{name!r} has no frames: an animation of glTF cannot be empty, it is left out", stacklevel=3)
             continue
+        _gltf_buffer.key_times(np.arange(each.frames) * each.frame_time, each.frame_time)  # refuses before the search
         document.animate(name, _gltf_write_tracks.joint_tracks(each, motions[name], profile, tolerance), motions[name])
-    if profile == "linear" and any(isinstance(each, KeyedMotion) for each in clips.values()):
-        warnings.warn(
-            "the keys become straight ones within the tolerance: tangents are lost, the profile cubic keeps them",
-            stacklevel=3,
-        )
+    if profile == "linear":
+        _tell_losses(clips.values(), tolerance)
     binary = os.fsdecode(path).lower().endswith(".glb")
     data = (_gltf_write.glb if binary else _gltf_write.embedded)(document, path)
     with replacing(path) as file:
@@ -156,6 +155,18 @@ def _scale(motion: Motion) -> float:
         stacklevel=4,
     )
     return metres
+
+
+def _tell_losses(clips: Iterable[Clip], tolerance: str | None) -> None:
+    from ..reduction.tolerance import DEFAULT
+
+    if any(isinstance(clip, KeyedMotion) for clip in clips):
+        lost = "the keys become straight ones within the tolerance: tangents are lost, the profile cubic keeps them"
+    elif tolerance is None:
+        lost = f"only the keys that hold the clip within {DEFAULT} are written: the profile baked has every frame"
+    else:
+        return
+    warnings.warn(lost, stacklevel=4)
 
 
 def _node_names(names: Sequence[str], title: str) -> list[str]:
