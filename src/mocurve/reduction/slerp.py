@@ -9,35 +9,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from .. import rotation
 from ..keyed import KeyedMotion
-from ..kinematics import rest_height, rotations, world
+from ..kinematics import rotations
 from ..motion import Clip, Motion
 from ..skeleton import Skeleton
-from ._slerp import Room, fewest
 from .problem import Problem, problem
+from .slerp_search import Track, Way, search
 from .tolerance import DEFAULT
-from .world import SHELL
-
-SHARE = 0.4  # of what a lever arm allows: where the search starts
-LEAST_SHARE = 1e-6
-RESERVE = 1e-3  # part of every limit that the search leaves to the rounding to single precision
-
-
-class Track(NamedTuple):
-    """Keys of one joint's rotation or place.
-
-    frames: (K,) int64, rising, from 0 to the last frame; a single one where a constant does.
-    values: (K, 4) unit quaternions wxyz, each on the side of the one before, or (K, 3) file units in the parent's
-            frame.
-    """
-
-    frames: np.ndarray
-    values: np.ndarray
 
 
 class JointTracks(NamedTuple):
@@ -45,15 +28,6 @@ class JointTracks(NamedTuple):
 
     rotations: tuple[Track | None, ...]
     positions: tuple[Track | None, ...]
-
-
-class Way(NamedTuple):
-    """One joint's rotation or place, and how far its own limits let it stray."""
-
-    joint: int
-    turns: bool
-    states: np.ndarray  # (F, 4) unit quaternions wxyz, unrolled; or x y z 0
-    stray: np.ndarray  # (F, 4) as in Room
 
 
 def joint_keys(clip: Clip, tolerance: str | Sequence[str] | None = None, *, feet: float | None = None) -> JointTracks:
@@ -74,21 +48,30 @@ def joint_keys(clip: Clip, tolerance: str | Sequence[str] | None = None, *, feet
     if asked.motion.frames == 0:
         tracks = [Track(np.zeros(0, np.int64), np.zeros((0, 4))) for _ in ways]
     else:
-        tracks = held(asked, ways, search(asked, ways))
+        tracks = held(asked, ways, search(asked, ways, *local_states(asked.motion)))
     return _by_joint(asked.motion.skeleton, ways, tracks)
 
 
 def _asked(clip: Clip, tolerance: str | Sequence[str] | None, feet: float | None) -> tuple[Clip, Sequence[str], float]:
     """The reference, the tolerance and the part of planted feet."""
-    told = clip.report if isinstance(clip, KeyedMotion) else None
-    made: dict = {}
-    # a report that was measured on other curves tells nothing of these
-    if told is not None and told.clips is not None and getattr(told.clips[1], "curves", None) is clip.curves:
-        made = next((step for step in reversed(clip.history) if step.get("tolerance")), {})
-    reference = told.clips[0] if made else clip
+    reference, made = clip, _making(clip)
+    if made.get("verb") == "refine":  # its report compares with the keys before
+        return _asked(clip.report.clips[0], tolerance, feet)  # type: ignore[attr-defined]
+    if made:
+        reference = clip.report.clips[0]  # type: ignore[attr-defined]
     tolerance = made.get("tolerance", DEFAULT) if tolerance is None else tolerance
     texts = [tolerance] if isinstance(tolerance, str) else tolerance
     return reference, texts, made.get("feet", 0.25) if feet is None else feet
+
+
+def _making(clip: Clip) -> dict[str, Any]:
+    """The step that made the clip's keys of another clip that its report still has, to a tolerance; else empty."""
+    if not isinstance(clip, KeyedMotion) or clip.report is None or clip.report.clips is None:
+        return {}
+    made = next((step for step in reversed(clip.history) if "tolerance" in step), {})
+    # a report that was measured on other curves tells nothing of these
+    same = getattr(clip.report.clips[1], "curves", None) is clip.curves
+    return made if same and made.get("tolerance") else {}
 
 
 def ways_of(asked: Problem) -> list[Way]:
@@ -229,44 +212,3 @@ def _mended(way: Way, track: Track, broken: np.ndarray) -> Track:
     values[kept] = track.values[np.isin(track.frames, at[kept])]
     same = len(at) == len(track.frames) and np.array_equal(values, track.values)
     return track if same else Track(at, values)
-
-
-# -- the search --------------------------------------------------------------------------------------------------------
-
-
-def search(asked: Problem, ways: list[Way]) -> list[Track]:
-    """Every way in a share of what its lever arm allows, which is lowered until the promise holds."""
-    alone = [_allowance(asked, way) for way in ways]
-    share = SHARE
-    while True:
-        tracks = [
-            _chords(way, np.minimum(way.stray, share * room) * (1.0 - RESERVE))
-            for way, room in zip(ways, alone, strict=True)
-        ]
-        if share < LEAST_SHARE or not _broken(asked, ways, tracks, True).any():
-            return tracks
-        share *= 0.7
-
-
-def _allowance(asked: Problem, way: Way) -> np.ndarray:
-    """(F, 4) how far a way may stray on its own by what hangs on it, as in Room."""
-    if asked.limits.joints is None:
-        return np.full_like(way.states, np.inf)
-    skeleton = asked.motion.skeleton
-    below = np.flatnonzero(skeleton.below(way.joint))
-    limits = asked.limits.joints[below].T
-    if way.turns:
-        places = world(asked.motion)
-        arms = np.linalg.norm(places[:, below] - places[:, [way.joint]], axis=-1)
-        limits = 0.5 * limits / (arms + 0.5 * SHELL * rest_height(asked.motion))
-    return np.repeat(limits.min(axis=1)[:, None], 4, axis=1)
-
-
-def _chords(way: Way, stray: np.ndarray) -> Track:
-    if np.array_equal(way.states, np.broadcast_to(way.states[0], way.states.shape)):
-        return Track(np.zeros(1, np.int64), way.states[:1])
-    frames = len(way.states)
-    none = np.zeros((frames, 0, 3))
-    room = Room(way.turns, way.states, stray, none, none, none[:, :, 0], way.states, stray[:, :3].min(axis=1))
-    found = fewest(room, way.states[:, None])
-    return Track(found, way.states[found])

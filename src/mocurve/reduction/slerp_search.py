@@ -1,0 +1,172 @@
+"""The search for few keys of slerp.py: ways through what each frame allows, one way after the other, in rounds.
+
+At each frame the other ways leave a joint's rotation, or place, a set of states that keep all points that it carries
+within their limits: its room. Each way starts in a share of what its lever arm allows. Then rounds, leaves first: draw
+the keys to where the worst point is furthest inside its limit (children make up for their parents' error), find fewer
+chords from corner to corner inside the room, and take out keys that can be done without. Every step goes from ways
+inside their rooms to ways inside their rooms, so the promise holds all the time. How far a way may stray grows from
+round to round, lest one takes all the room early (world.py does the same for single channels).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .. import progress
+from ..kinematics import rest_height
+from ._slerp import Room, allows, fewest, sampled
+from ._slerp_fit import prune, refit
+from ._slerp_scene import Scene, find_centre, furnish, offer, pose, worst
+from .problem import Problem
+from .world import SHELL, body_of, point_limits
+
+RESERVE = 1e-3  # part of every limit left to the rounding of times and values to single precision
+SHARE = 0.15  # of what a way's lever arm allows: where it starts
+LEAST_SHARE = 1e-9  # below, a limit of nothing is asked: the check of the promise gives every frame its key
+CHOICES = 4  # states that a frame offers to a chain of chords: as it is, the midst, two towards the edge
+
+
+class Track(NamedTuple):
+    """Keys of one joint's rotation or place.
+
+    frames: (K,) int64, rising, from 0 to the last frame; a single one where a constant does.
+    values: (K, 4) unit quaternions wxyz, each on the side of the one before, or (K, 3) file units in the parent's
+            frame.
+    """
+
+    frames: np.ndarray
+    values: np.ndarray
+
+
+class Way(NamedTuple):
+    """One joint's rotation or place, and how far its own limits let it stray."""
+
+    joint: int
+    turns: bool
+    states: np.ndarray  # (F, 4) unit quaternions wxyz, unrolled; or x y z 0
+    stray: np.ndarray  # (F, 4) as in Room
+
+
+class Round(NamedTuple):
+    """One round of the search."""
+
+    stray: float  # how far a way may be from its original, in what its lever arm allows it
+    sweeps: int  # of Newton steps, where keys are drawn to the midst and where one is taken out
+
+
+ROUNDS = (Round(0.4, 4), Round(1.6, 4), Round(2.4, 4), Round(2.4, 4), Round(2.4, 4))
+
+
+def search(asked: Problem, ways: list[Way], turned: np.ndarray, placed: np.ndarray) -> list[Track]:
+    """Tracks of all ways that keep every limit, less the reserve.
+
+    turned, placed: (J, F, 4) rotations and places of all joints, as slerp.local_states has them."""
+    caps = [way.stray * (1.0 - RESERVE) for way in ways]
+    if asked.limits.joints is None:
+        done: list[Track] = []
+        for way, cap in zip(ways, caps, strict=True):
+            progress.advance("keys of joints", len(done), len(ways))
+            room = _room(way, cap, 0)
+            done.append(_better(room, _chords(way.states, room), 8))
+        return done
+    scene = scene_of(asked, turned, placed)
+    alone = [_allowance(scene, way, 0.5 * SHELL * rest_height(asked.motion)) for way in ways]
+    tracks = _start(scene, ways, alone, caps)
+    for number, step in enumerate(ROUNDS):
+        progress.advance("keys of joints", number, len(ROUNDS))
+        for w in range(len(ways) - 1, -1, -1):
+            room = _furnished(scene, ways[w], np.minimum(step.stray * alone[w], caps[w]))
+            tracks[w] = _better(room, tracks[w], step.sweeps)
+            _put(scene, ways[w], tracks[w])
+    return tracks
+
+
+def scene_of(asked: Problem, turned: np.ndarray, placed: np.ndarray) -> Scene:
+    """The clip as it was given."""
+    motion, joints = asked.motion, asked.limits.joints
+    assert joints is not None
+    body = body_of(motion)
+    limits = point_limits(body, joints) * (1.0 - RESERVE)
+    last = np.array([int(np.flatnonzero(motion.skeleton.below(j))[-1]) + 1 for j in range(len(body.parents))])
+    points = np.empty((motion.frames, len(body.shell), 3))
+    scene = Scene(body, last, turned.copy(), placed.copy(), np.empty_like(turned), points, points.copy(), limits)
+    pose(scene, 0, len(last))
+    scene.target[:] = scene.points
+    return scene
+
+
+def _allowance(scene: Scene, way: Way, floor: float) -> np.ndarray:
+    """(F, 4) how far a way may stray on its own by what hangs on it, as in Room, no lever arm shorter than `floor`."""
+    first, last = scene.body.first_point[way.joint] + way.turns, scene.body.last_point[way.joint]
+    limits = scene.limits[:, first:last]
+    if way.turns:
+        arms = np.linalg.norm(scene.target[:, first:last] - scene.target[:, first - 1 : first], axis=-1)
+        limits = 0.5 * limits / np.maximum(arms, floor)
+    return np.repeat(limits.min(axis=1, initial=np.inf)[:, None], 4, axis=1)
+
+
+def _start(scene: Scene, ways: list[Way], alone: list[np.ndarray], caps: list[np.ndarray]) -> list[Track]:
+    """Every way in a share of its allowance, which is lowered until the promise holds."""
+    share = SHARE
+    while True:
+        tracks = []
+        for way, room, cap in zip(ways, alone, caps, strict=True):
+            tracks.append(_chords(way.states, _room(way, np.minimum(share * room, cap), 0)))
+            states = scene.turned if way.turns else scene.placed
+            sampled(way.turns, *tracks[-1], states[way.joint])
+        pose(scene, 0, len(scene.last_joint))
+        over = worst(scene)
+        if over <= 1.0 or share < LEAST_SHARE:
+            return tracks
+        share *= 0.9 / over
+
+
+def _room(way: Way, stray: np.ndarray, points: int) -> Room:
+    """Room about the original, without points yet."""
+    frames = len(way.states)
+    arms, limits = np.empty((frames, points, 3)), np.empty((frames, points))
+    inner = (stray[:, :1] if way.turns else stray[:, :3]).min(axis=1)
+    return Room(way.turns, way.states, stray, arms, np.empty_like(arms), limits, way.states.copy(), inner)
+
+
+def _furnished(scene: Scene, way: Way, stray: np.ndarray) -> Room:
+    body = scene.body
+    room = _room(way, stray, body.last_point[way.joint] - body.first_point[way.joint] - way.turns)
+    furnish(scene, way.joint, room)
+    find_centre(room, (scene.turned if way.turns else scene.placed)[way.joint])
+    return room
+
+
+def _put(scene: Scene, way: Way, track: Track) -> None:
+    sampled(way.turns, *track, (scene.turned if way.turns else scene.placed)[way.joint])
+    pose(scene, way.joint, scene.last_joint[way.joint])
+
+
+def _chords(states: np.ndarray, room: Room) -> Track:
+    found = fewest(room, states[:, None])
+    return Track(found, states[found])
+
+
+def _better(room: Room, track: Track, sweeps: int) -> Track:
+    """The track drawn to the midst of its room, and fewer keys where they will do."""
+    if len(track.frames) == 1:
+        values = track.values.copy()
+        refit(room, track.frames, values, False, False, sweeps, 0.0)
+        return Track(track.frames, values)
+    constant = Track(np.zeros(1, np.int64), room.centre[len(room.centre) // 2][None].copy())
+    if refit(room, *constant, False, False, sweeps, 1.0) <= 1.0:
+        return constant
+    states = np.empty((len(room.centre), CHOICES, 4))
+    sampled(room.turns, *track, states[:, 0])
+    states[:, 1] = room.centre
+    offer(room, allows, track.frames, states)
+    found = fewest(room, states.copy())
+    if len(found) < len(track.frames):
+        at = found // CHOICES
+        track = Track(at, states[at, found % CHOICES])
+    frames, values = track.frames.copy(), track.values.copy()
+    refit(room, frames, values, False, False, sweeps, 0.0)
+    count = prune(room, frames, values, sweeps)
+    return Track(frames[:count].copy(), values[:count].copy())
