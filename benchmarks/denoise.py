@@ -113,6 +113,14 @@ def cut(rows: list[Row]) -> float:
     return 100 * part(sum(row["masked"] - row["hits"] for row in rows), sum(row["samples"] for row in rows))
 
 
+def recall(rows: list[Row]) -> float:
+    return part(sum(row["seen"] for row in rows), sum(row["visible"] for row in rows))
+
+
+def precision(rows: list[Row]) -> float:
+    return part(sum(row["hits"] for row in rows), sum(row["masked"] for row in rows))
+
+
 def tell_jitter(rows: list[Row], kind: str) -> None:
     """RMSE / oracle where there are no artefacts."""
     mine = [row for row in rows if row["kind"] == kind]
@@ -159,11 +167,43 @@ def tell_artefacts(rows: list[Row], kinds: list[str]) -> None:
             known = np.array([row["known"] / row["oracle"] for row in cell])
             columns = known, ratios(cell), ratios(cell, "known")
             numbers = "".join(f"{r.mean():9.3f}{np.median(r):7.3f}" for r in columns)
-            recall = part(sum(row["seen"] for row in cell), sum(row["visible"] for row in cell))
-            precision = part(sum(row["hits"] for row in cell), sum(row["masked"] for row in cell))
-            label = f"{kind:11}{rate or 'all':>4}"
-            print(f"{label}{numbers}{columns[2].max():8.2f}{recall:8.3f}{precision:11.3f}{len(cell):5}")
+            found = f"{recall(cell):8.3f}{precision(cell):11.3f}"
+            print(f"{kind:11}{rate or 'all':>4}{numbers}{columns[2].max():8.2f}{found}{len(cell):5}")
         tell_worst(mine, "known")
+
+
+def tell_goals(rows: list[Row]) -> None:
+    """What the project set itself, least, and whether it is reached."""
+
+    def tell(what: str, value: float, least: float, below: bool = True) -> None:
+        reached = value <= least if below else value >= least
+        print(f"    {what:46}{value:8.3f}  least {least:<6g} {'' if reached else '  MISSED'}")
+
+    def mine(*kinds: str) -> list[Row]:
+        return [row for row in rows if row["kind"] in kinds]
+
+    print("\ngoals")
+    if jitter := mine(JITTER):
+        ratio = ratios(jitter)
+        for what, value, least in (
+            ("median", np.median(ratio), 1.0),
+            ("90 % quantile", np.quantile(ratio, 0.9), 1.1),
+            ("worst", ratio.max(), 1.5),
+        ):
+            tell(f"jitter, of the oracle: {what}", float(value), least)
+        tell("frames cut, %", cut(jitter), 0.03)
+        cells = [[r for r in jitter if (r["shape"], r["rate"]) == (s, rate)] for s in SHAPES for rate in RATES]
+        pairs = [kept(cell).split() for cell in cells if cell]
+        more = min((float(a) - float(b) for a, b, count in pairs if count != "0"), default=0.0)
+        tell("peaks kept more than by the oracle, least cell", more, 0.0, False)
+    for rate, least in zip(RATES, (1.05, 1.25, 1.4), strict=True):
+        if cell := [row for row in mine("spikes") if row["rate"] == rate]:
+            tell(f"1 % spikes, {rate} fps, of the oracle: mean", float(ratios(cell).mean()), least)
+    for kind in ("bursts", "flips", "dropouts"):
+        if cell := mine(kind):
+            tell(f"{kind}, of known: mean", float(ratios(cell, "known").mean()), 1.15)
+            tell(f"{kind}: recall", recall(cell), 0.97, False)
+            tell(f"{kind}: precision", precision(cell), 0.95, False)
 
 
 def measured(clean: Clean, which: str, quick: bool, kinds: tuple[str, ...] | None, workers: int) -> list[Row]:
@@ -195,6 +235,7 @@ def main(clean: Clean | None = None) -> None:
             tell_jitter(rows, kind)
     if set(found) - set(FREE):
         tell_artefacts(rows, [kind for kind in KINDS if kind in found])
+    tell_goals(rows)
     speed = sum(row["samples"] for row in rows) / max(sum(row["seconds"] for row in rows), 1e-9)
     print(f"\n{len(rows)} cases of the set {options.set}; {speed / 1e6:.3f} M channel-frames/s (unknown frames)")
     if options.json:
