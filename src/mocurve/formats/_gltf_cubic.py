@@ -24,7 +24,7 @@ MOST_LENGTH = 8e-4  # off the curves in the world, file units; players are withi
 LEAST_DEGREES = 2e-5  # float32 quaternions are hardly better
 SLACKS = (16.0, 8.0, 4.0, 2.0, 1.0)  # joints seldom err together: times the part of MOST_LENGTH that is safe for each
 MOST_TURN = 120.0  # degrees that the angles of a joint move between two keys: more would hide from the samples
-SHORTEST = 0.26  # frames: no key is added within less than twice that
+SHORTEST = 0.124  # frames: no key is added within less than twice that
 SAMPLES = np.arange(1, 8) / 8.0  # of a stretch between two keys
 
 
