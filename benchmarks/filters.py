@@ -16,12 +16,13 @@ from typing import NamedTuple
 
 import numpy as np
 from denoise import kept, peaks, rmse
+from denoise_reduce import motion_of
 from noise import JITTER, SIGMAS, Case, butterworth, cases, oracle
 from onder_tables import PAGE, table
 from scipy.signal import savgol_filter
 
+import mocurve as mc
 from mocurve import hermite
-from mocurve.denoising import clean
 from mocurve.reduction import dynamic, linear, optimal, split
 from mocurve.reduction.keys import Keys
 
@@ -90,8 +91,9 @@ def savitzky_golay(window: int) -> Filter:
     return every_frame(lambda case: savgol_filter(case.noisy, min(window, (len(case.noisy) - 1) | 1), 3, axis=0))
 
 
-def ours(case: Case) -> Filtered:
-    return Filtered(clean(case.noisy, case.fps, case.groups).values, 1.0)
+def as_keys(case: Case) -> Filtered:
+    keys = mc.reduce(motion_of(case), denoise=True)
+    return Filtered(keys.sample().values, keys.keys / case.noisy.size)
 
 
 def filters() -> dict[str, Filter]:
@@ -107,7 +109,8 @@ def filters() -> dict[str, Filter]:
     rows["Savitzky-Golay, window knowing the truth"] = best(map(savitzky_golay, WINDOWS))
     rows["Butterworth, 6 Hz"] = every_frame(lambda case: butterworth(case.noisy, 6.0, case.fps))
     rows["Butterworth, cut-off knowing the truth"] = every_frame(lambda case: oracle(case.truth, case.noisy, case.fps))
-    rows["denoise"] = ours
+    rows["`mc.denoise`"] = every_frame(lambda case: mc.denoise(motion_of(case)).values)
+    rows["`mc.reduce(clip, denoise=True)`"] = as_keys
     return rows
 
 

@@ -54,7 +54,7 @@ HELD = {
     "rokoko": Source("other/rokoko_dance_fingers.bvh", 200, ("LeftArm", "LeftLeg", "RightForeArm", "Hips at")),
     "hands": Source("other/hands_60_joints.bvh", 0, ("RightHandPinky2", "RightArm", "RightHandIndex1")),
     "jump, later": Source("cmu/cmu_01_01_jump.bvh", 1500, ("RightArm", "LeftUpLeg", "Head")),
-    "walk 16": Source("cmu/cmu_16_15.amc", 0, ("lfemur", "rhumerus", "root at")),
+    "walk 16": Source("cmu/cmu_16_15.amc", 0, ("lfemur", "rhumerus", "thorax", "root at")),
     "run 16": Source("cmu/cmu_16_41.amc", 0, ("rfemur", "lhumerus", "head")),
     "run 9": Source("cmu/cmu_09_01.amc", 0, ("lfemur", "rhumerus", "root")),
     "sideways": Source("cmu/cmu_09_12.amc", 400, ("upperneck", "rfoot", "thorax")),
