@@ -75,38 +75,40 @@ def local_places(motion: Motion) -> np.ndarray:
 
 
 def _baked(motion: Motion) -> JointTracks:
+    times = np.arange(motion.frames) * motion.frame_time
     wxyz, places = rotation.unroll(kinematics.rotations(motion)), local_places(motion)
-    times, wxyz, places = *_rounded(motion, wxyz), _rounded(motion, places)[1]
-    wxyz /= np.linalg.norm(wxyz, axis=-1, keepdims=True)
-    rotations = [
-        Track(times, wxyz[:, j]) if columns else None for j, (columns, _) in enumerate(turning(motion.skeleton))
+    paths = (wxyz, [columns for columns, _ in turning(motion.skeleton)]), (places, moving(motion.skeleton))
+    tracks = [
+        tuple(_rounded(Track(times, keys[:, j]), motion.frame_time) if has else None for j, has in enumerate(channels))
+        for keys, channels in paths
     ]
-    positions = [Track(times, places[:, j]) if axes else None for j, axes in enumerate(moving(motion.skeleton))]
-    return JointTracks(tuple(rotations), tuple(positions))
-
-
-def _rounded(motion: Motion, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Times of the frames as the file can have them, and values (F, J, n) that players find at the true times.
-
-    32 bits miss the time of a frame by up to 1e-6 s in half a minute, in which fast joints turn by 0.01 degrees. So a
-    key that comes too late goes on as it came, and one that comes too early starts before, as it will leave.
-    """
-    exact = np.arange(motion.frames) * motion.frame_time
-    times = key_times(exact, motion.frame_time).astype(np.float64)
-    if motion.frames < 2:
-        return times, values
-    steps = np.diff(values, axis=0)
-    arriving, leaving = np.concatenate([steps[:1], steps]), np.concatenate([steps, steps[-1:]])
-    moved = ((times - exact) / motion.frame_time)[:, None, None]
-    return times, values + moved * np.where(moved > 0, arriving, leaving)
+    return JointTracks(*tracks)
 
 
 def _linear(clip: Clip, tolerance: str | None) -> JointTracks:
     from ..reduction import slerp  # loads the compiler
 
+    step = clip.frame_time
     chosen = slerp.joint_keys(clip, tolerance)
     tracks = [
-        tuple(None if track is None else Track(track.frames * clip.frame_time, track.values) for track in path)
+        tuple(None if keys is None else _rounded(Track(keys.frames * step, keys.values), step) for keys in path)
         for path in (chosen.rotations, chosen.positions)
     ]
     return JointTracks(*tracks)
+
+
+def _rounded(track: Track, frame_time: float) -> Track:
+    """The same straight stretches between keys at times that the file can have.
+
+    32 bits miss the time of a frame by up to 1e-6 s in half a minute, in which fast joints turn by 0.01 degrees. So a
+    key that comes too late lies further on the stretch before it, one that comes too early on that after it.
+    """
+    times = key_times(track.times, frame_time).astype(np.float64)
+    if len(times) < 2:
+        return Track(times, track.values)
+    first = np.clip(np.arange(len(times)) - (times > track.times), 0, len(times) - 2)
+    u = (times - track.times[first]) / np.diff(track.times)[first]
+    start, end = track.values[first], track.values[first + 1]
+    if start.shape[1] == 4:
+        return Track(times, rotation.slerp(start, end, u))
+    return Track(times, start + u[:, None] * (end - start))

@@ -6,6 +6,7 @@
 import { readFileSync, writeFileSync } from "node:fs";
 
 globalThis.self = globalThis; // the loader looks for its browser there
+globalThis.ProgressEvent ??= Event; // and tells with it how far the buffer inside a .gltf is
 const { AnimationMixer } = await import("three");
 const { GLTFLoader } = await import("three/examples/jsm/loaders/GLTFLoader.js");
 
