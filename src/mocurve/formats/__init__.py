@@ -26,6 +26,7 @@ FORMATS = {  # modules, loaded when needed
     ".blend.py": "blender",
     ".csv": "csv",
     ".npz": "npz",
+    ".c3d": "c3d",
     ".glb": "gltf",
     ".gltf": "gltf",
     ".amc": "acclaim",
