@@ -28,15 +28,31 @@ class Keys(NamedTuple):
 def keys_of(curve: Curve, kind: str) -> Keys:
     """Handles at a third of the interval: there a Bézier curve is the Hermite curve."""
     third = np.diff(curve.frames) / 3.0 if len(curve.frames) > 1 else np.ones(1)
-    before, after = np.append(third[0], third), np.append(third, third[-1])
-    if len(curve.frames) < 2:
-        before, after = third, third
-    points = np.empty((len(curve.frames), 3, 2))
-    points[:, 1] = np.column_stack([curve.frames, curve.values])
-    points[:, 0] = points[:, 1] - np.column_stack([before, curve.arriving * before])
-    points[:, 2] = points[:, 1] + np.column_stack([after, curve.leaving * after])
+    key, ones = np.column_stack([curve.frames, curve.values]), np.ones(len(curve.frames))
+    before = key - np.column_stack([ones, curve.arriving]) * np.append(third[0], third)[: len(key), None]
+    after = key + np.column_stack([ones, curve.leaving]) * np.append(third, third[-1])[: len(key), None]
+    if len(key) > 1:
+        _take_back_rounding(curve, after[:-1], before[1:])
     apart = np.abs(curve.leaving - curve.arriving) > 1e-6 * (np.abs(curve.leaving) + np.abs(curve.arriving)) + 1e-12
-    return Keys(points.astype(np.float32), [kind] * len(curve.frames), ~apart)
+    return Keys(np.stack([before, key, after], axis=1).astype(np.float32), [kind] * len(key), ~apart)
+
+
+def _take_back_rounding(curve: Curve, first: np.ndarray, second: np.ndarray) -> None:
+    """Change the values of handles (K-1, 2), the two of each piece, since their frames will be rounded to 32 bits.
+
+    A handle that moves by d in time moves the curve by its rate times d times the handle's weight, one that moves by v in
+    value moves it by v times the weight: these v are the least squares over the piece.
+    """
+    s = np.arange(1, 16) / 16.0
+    weights = 3.0 * s * (1.0 - s) * np.stack([1.0 - s, s])  # (2, 15)
+    h = np.diff(curve.frames)
+    start, end = curve.leaving[:-1], curve.arriving[1:]
+    middle = 3.0 * np.diff(curve.values) / h - start - end
+    rates = start[:, None] * (1.0 - s) ** 2 + middle[:, None] * 2.0 * s * (1.0 - s) + end[:, None] * s * s
+    moved = [handle[:, :1].astype(np.float32) - handle[:, :1] for handle in (first, second)]
+    back = (rates * (moved[0] * weights[0] + moved[1] * weights[1])) @ np.linalg.pinv(weights)
+    first[:, 1] += back[:, 0]
+    second[:, 1] += back[:, 1]
 
 
 def same_keys(a: Keys, b: Keys) -> bool:
@@ -99,7 +115,7 @@ def _bezier(here: np.ndarray, there: np.ndarray) -> np.ndarray:
         elif reach < 0:
             b[handle, 0] = b[end, 0]
         elif abs(reach - span / 3.0) <= rounding:
-            b[handle, 0] = b[end, 0] + side * span / 3.0
+            b[handle] = b[end] + (b[handle] - b[end]) * (span / 3.0 / reach)
     return b
 
 
