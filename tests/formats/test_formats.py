@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import inspect
 import re
 
@@ -97,17 +96,3 @@ def test_the_unit_of_a_file_can_be_said(bvh, unit, length):
 def test_an_odd_unit_is_refused_with_the_known_ones(unit):
     with pytest.raises(mc.OptionError, match="unit is one of mm, cm, m, in, inch, ft or a positive number of metres"):
         metres(unit)
-
-
-def test_csv_is_a_table_with_time_and_channel_names(tmp_path, small):
-    mc.write(tmp_path / "a.csv", small, lossless=True)
-    with open(tmp_path / "a.csv", newline="") as file:
-        head, *rows = list(csv.reader(file))
-    assert head == ["time", "Hips.Xposition", "Hips.Zrotation", "Hips.Yrotation", "Knee.Xrotation"]
-    assert np.array(rows, float).tolist() == np.column_stack((np.arange(3) / 120, small.values)).tolist()
-
-
-def test_csv_is_not_read(tmp_path, small):
-    mc.write(tmp_path / "a.csv", small)
-    with pytest.raises(mc.FileError, match=r"no skeleton and is only written; \.npz and \.bvh are read back"):
-        mc.read(tmp_path / "a.csv")

@@ -12,13 +12,15 @@ from ..progress import advance
 _NUMBERS = 1 << 16  # turned into text at a time
 
 
-def table(values: np.ndarray, lossless: bool, separator: str) -> Iterator[bytes]:
+def table(values: np.ndarray, lossless: bool, separator: str, gaps: bool = False) -> Iterator[bytes]:
     """The rows of values (F, C), a line each, some thousand numbers at a time: six decimals, or all digits.
 
-    Mismatch where a value is not finite: no file can hold it.
+    gaps: nothing stands for NaN. Mismatch where a value is not finite otherwise: no file can hold it.
     """
-    if not np.isfinite(values).all():
-        row, column = np.argwhere(~np.isfinite(values))[0]
+    gaps = gaps and bool(np.isnan(values).any())
+    wrong = np.isinf(values) if gaps else ~np.isfinite(values)
+    if wrong.any():
+        row, column = np.argwhere(wrong)[0]
         raise Mismatch(
             f"the value in frame {row}, column {column} is {values[row, column]}, which no text file can hold"
         )
@@ -26,5 +28,6 @@ def table(values: np.ndarray, lossless: bool, separator: str) -> Iterator[bytes]
     form = separator.join(["%r" if lossless else "%.6f"] * values.shape[1]) + "\n"
     for first in range(0, len(values), step):
         rows = values[first : first + step].tolist()
-        yield "".join([form % tuple(row) for row in rows]).encode()
+        text = "".join([form % tuple(row) for row in rows])
+        yield (text.replace("nan", "") if gaps else text).encode()
         advance("writing", min(first + step, len(values)), len(values))
