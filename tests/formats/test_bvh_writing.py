@@ -141,13 +141,13 @@ def test_skeletons_that_a_bvh_file_cannot_hold_are_refused_and_leave_nothing(tmp
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("extension", [".bvh", ".csv"])
-def test_values_that_are_not_finite_leave_the_old_file(tmp_path, small, extension):
+@pytest.mark.parametrize(("extension", "value"), [(".bvh", np.nan), (".bvh", np.inf), (".csv", -np.inf)])
+def test_values_that_are_not_finite_leave_the_old_file(tmp_path, small, extension, value):
     path = tmp_path / f"a{extension}"
     path.write_text("old")
     values = small.values.copy()
-    values[1, 2] = np.nan
-    with pytest.raises(mc.Mismatch, match=r"frame 1.* is nan"):
+    values[1, 2] = value
+    with pytest.raises(mc.Mismatch, match=rf"frame 1.* is {value}"):
         mc.write(path, mc.Motion(small.skeleton, values, 0.1))
     assert path.read_text() == "old"
     assert os.listdir(tmp_path) == [path.name]
