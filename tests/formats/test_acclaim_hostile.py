@@ -7,10 +7,28 @@ import warnings
 from functools import partial
 from itertools import pairwise
 
+import numpy as np
 import pytest
 from acclaim_pair import AMC, ASF, read, refused, write_pair
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 import mocurve as mc
+
+ODD_WORDS = [
+    b"",
+    b" nan",
+    b"1e308 ",
+    b"\nbegin\n",
+    b"\nend\n",
+    b" root ",
+    b" l tx ",
+    b"\0",
+    b"\n",
+    b"#",
+    b" arm head",
+    b"\n2\n",
+]
 
 
 @pytest.fixture
@@ -36,6 +54,7 @@ def pair(tmp_path):
         ("length 3", "length 1e999", "a number expected, '1e999' found (too large)"),
         ("length 3", "length -3", "a length of at least 0 and a direction that is not zero expected"),
         ("direction 0 2 0", "direction 0 0 0", "a direction that is not zero expected"),
+        ("direction 0 2 0", "direction 0 1e200 0", "small.asf:19: a number expected, '1e200' found"),
         ("length 3\n", "", "small.asf:16: name, direction and length expected in the bone 'back'"),
         ("name back", "name", "a name of one word that is no number expected, the end of the file found"),
         ("name back", "name 12", "a name of one word that is no number expected, '12' found"),
@@ -70,11 +89,16 @@ def test_a_wrong_skeleton_is_refused_with_the_line(pair, old, new, told):
     [
         ("back 10 20 30", "bakc 10 20 30", "small.amc:6: no bone 'bakc'. Did you mean 'back'?"),
         ("back 10 20 30", "back 10 20", "small.amc:6: 3 numbers for 'back' expected, 2 found"),
-        ("back 10 20 30", "back 10 20 30 40", "3 numbers for 'back' expected, 4 found"),
+        ("back 10 20 30", "back 10 20 30 40", "3 numbers for 'back' expected, more found"),
         ("back 10 20 30", "back", "3 numbers for 'back' expected, 0 found"),
         ("back 10 20 30", "back 10 20 nan", "small.amc:6: a number expected, 'nan' found"),
         ("back 10 20 30", "back 10 20 1_0", "a number expected, '1_0' found"),
         ("back 10 20 30", "back 10 20 1e400", "a number expected, '1e400' found (too large)"),
+        (
+            ":DEGREES\n1\nroot 1 2 3 0 0 0",
+            ":RADIANS\n1\nroot 1 2 3 0 0 1e308",
+            "small.amc: its numbers are too large for a motion",
+        ),
         ("back 10 20 30", "back 10 20 1-2", "a number expected, '1-2' found"),
         ("back 10 20 30", "back 10,5 20 30", "'10,5' found (decimal points, not commas, are read)"),
         ("arm 40 50", "back 10 20 30", "small.amc:7: 'back' again in frame 1"),
@@ -94,6 +118,26 @@ def test_a_wrong_skeleton_is_refused_with_the_line(pair, old, new, told):
 )
 def test_a_wrong_motion_is_refused_with_the_line(pair, old, new, told):
     assert told in refused(pair(amc=(old, new)))
+
+
+@settings(max_examples=100, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.data())
+def test_mutated_files_are_read_or_refused(pair, data):
+    path = pair()
+    for file in data.draw(st.sampled_from([[path], [path.with_suffix(".asf")], [path, path.with_suffix(".asf")]])):
+        text = bytearray(file.read_bytes())
+        for _ in range(data.draw(st.integers(1, 3))):
+            at, end = sorted(data.draw(st.tuples(st.integers(0, len(text)), st.integers(0, len(text)))))
+            text[at : min(end, at + 20)] = data.draw(st.sampled_from(ODD_WORDS) | st.binary(max_size=3))
+        file.write_bytes(bytes(text))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)
+        try:
+            motion = mc.read(path)
+        except mc.FileError:
+            return
+    assert np.isfinite(motion.values).all()
+    assert np.isfinite(motion.skeleton.offsets).all()
 
 
 def test_every_cut_of_a_motion_is_refused_or_warned_of(pair):
@@ -116,7 +160,7 @@ def test_every_cut_of_a_motion_is_refused_or_warned_of(pair):
 
 def test_every_cut_of_a_skeleton_is_refused(pair, tmp_path):
     path = pair()
-    for length in range(len(ASF) - 1):
+    for length in range(0, len(ASF) - 1, 3):
         (tmp_path / "small.asf").write_text(ASF[:length])
         refused(path)
 
@@ -198,12 +242,12 @@ def test_names_in_latin_1_are_read_with_a_warning(pair, tmp_path):
 
 def test_a_deep_chain_of_bones_is_read_and_too_many_are_refused(pair):
     bone = "begin\nname b{0}\ndirection 0 1 0\nlength 1\nend\n"
-    for count in (15_000, 20_001):
+    for count in (2_000, 20_001):
         names = ["head", *(f"b{i}" for i in range(count))]
         bones = "".join(bone.format(i) for i in range(count))
         chain = "".join(f"{above} {below}\n" for above, below in pairwise(names))
         path = pair(":hierarchy", bones + ":hierarchy", "back arm head\n", "back arm head\n" + chain)
-        if count < 20_000:
+        if count == 2_000:
             assert len(read(path).skeleton.names) == count + 6
         else:
             assert "at most 20000 bones expected" in refused(path)
@@ -212,8 +256,8 @@ def test_a_deep_chain_of_bones_is_read_and_too_many_are_refused(pair):
 def test_memory_is_bounded_by_the_file(pair):
     path = pair(amc=("head -7 8\n", "head -7 8\n3\nroot " + "1 " * 2_000_000))
     tracemalloc.start()
-    assert "6 numbers for 'root' expected, 2000000 found" in refused(path)
-    assert tracemalloc.get_traced_memory()[1] < 20e6 + 12 * path.stat().st_size * 2
+    assert "6 numbers for 'root' expected, more found" in refused(path)
+    assert tracemalloc.get_traced_memory()[1] < 2e6 + 4 * path.stat().st_size
     tracemalloc.stop()
     (path.parent / "small.asf").write_bytes(b"# " + b"x" * (17 << 20))
     assert "a skeleton of at most 16 MB expected" in refused(path)

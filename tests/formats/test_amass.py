@@ -216,6 +216,7 @@ def test_angles_run_on_where_the_vectors_jump(tmp_path):
         ({"poses": np.full((5, 156), {}, object)}, "of object found"),
         ({"poses": np.full((5, 156), np.nan)}, "poses, trans: finite numbers expected"),
         ({"trans": np.full((5, 3), np.inf)}, "poses, trans: finite numbers expected"),
+        ({"poses": np.full((5, 156), -1e300)}, "no angles beyond sense"),
         ({"trans": np.zeros((4, 3))}, "trans: the shape (5, 3) expected, as of poses, (4, 3) found"),
         ({"trans": None}, "the array 'trans' is not in it"),
         ({"mocap_framerate": np.array(0.0)}, "a frame rate above 0 expected, 0.0 found"),

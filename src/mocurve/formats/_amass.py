@@ -24,6 +24,7 @@ from ._bvh_header import end_site_name
 from ._files import Path
 
 FPS = 120.0  # of most of the data set, where a file does not say it
+_LARGEST = 1e6  # radians: beyond, few digits of the angle are left
 _ORDER = "ZYX"
 _NEAR = 1e-3  # frames a second: a rate as near as this to a whole one is that
 _CHANNELS = ("Xposition", "Yposition", "Zposition", *(f"{axis}rotation" for axis in _ORDER))
@@ -57,8 +58,8 @@ def motion(poses: np.ndarray, trans: np.ndarray, rate: float | None, skeleton: P
         raise FileError(f"poses: {', '.join(map(str, MODELS))} columns expected, {poses.shape[1]} found", path)
     if trans.shape != (len(poses), 3):
         raise FileError(f"trans: the shape {(len(poses), 3)} expected, as of poses, {trans.shape} found", path)
-    if not (np.isfinite(poses).all() and np.isfinite(trans).all()):
-        raise FileError("poses, trans: finite numbers expected", path)
+    if not (np.isfinite(trans).all() and (np.abs(poses) < _LARGEST).all()):
+        raise FileError("poses, trans: finite numbers expected, and no angles beyond sense", path)
     if rate is not None and not (np.isfinite(rate) and rate > 0):
         raise FileError(f"a frame rate above 0 expected, {rate} found", path)
     told = [] if rate is not None else [f"no frame rate in the file, {FPS:g} frames a second assumed"]

@@ -7,6 +7,7 @@ import os
 import warnings
 from array import array
 from collections.abc import Iterable, Mapping
+from math import isfinite
 from typing import BinaryIO, NamedTuple, NoReturn
 
 import numpy as np
@@ -86,20 +87,22 @@ class _Reader:
             self.fail(f"{_text(name)!r} again in frame {self.number}" if self.frame else _unnumbered(name))
         if self.frame > 1 and not self.seen[name]:
             self.fail(f"{_text(name)!r} is in frame {self.number}, but not in the first")
-        if rest.translate(None, _OF_NUMBERS):
+        if rest.translate(None, _OF_NUMBERS):  # nan, inf and 1_000 are numbers to Python, not to us
             rest = rest.partition(b"#")[0]
-        column = self.columns[name]
-        before = len(column)
+            if rest.translate(None, _OF_NUMBERS):
+                self._complain(rest)
+        width = self.widths[name]
+        words = rest.split(None, width)
+        if len(words) != width:
+            there = "more" if len(words) > width else len(words)
+            self.fail(f"{width} numbers for {_text(name)!r} expected, {there} found")
         try:
-            if rest.translate(None, _OF_NUMBERS):  # nan, inf and 1_000 are numbers to Python, not to us
-                raise ValueError
-            column.extend(map(float, rest.split()))
+            values = [float(word) for word in words]
         except ValueError:
             self._complain(rest)
-        if len(column) - before != self.widths[name]:
-            self.fail(f"{self.widths[name]} numbers for {_text(name)!r} expected, {len(column) - before} found")
-        if not all(-_INFINITY < value < _INFINITY for value in column[before:]):
+        if not isfinite(sum(values)) and not all(map(isfinite, values)):
             self._complain(rest)
+        self.columns[name].extend(values)
         self.seen[name] = self.frame
         self.inside += 1
 
@@ -143,12 +146,9 @@ class _Reader:
 
     def _complain(self, rest: bytes) -> NoReturn:
         for word in map(_text, rest.split()):
-            if not -_INFINITY < number(word) < _INFINITY:
+            if not isfinite(number(word)):
                 self.fail(f"a number expected, {found(word)}{hint(word)}")
         raise AssertionError("every word is a finite number")
-
-
-_INFINITY = float("inf")
 
 
 def _lines(file: BinaryIO) -> Iterable[bytes]:

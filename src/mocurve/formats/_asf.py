@@ -22,6 +22,7 @@ from ._files import Path, opened
 MAX_BYTES = 16 << 20  # a skeleton of MAX_JOINTS bones has a quarter of that
 TURNS, SHIFTS, STRETCH = ("rx", "ry", "rz"), ("tx", "ty", "tz"), "l"
 _CMU_LENGTH = 0.45  # ":units length" of the CMU database: its values are inches times that
+_LARGEST = 1e100  # far from what a number holds, so that nothing overflows
 _SEPARATORS = str.maketrans("(),", "   ")
 _ENDLESS = ("inf", "+inf", "-inf")
 Row = tuple[int, list[str]]  # line of the file, its words
@@ -269,7 +270,7 @@ class _Reader:
         if len(given) != count:
             self.fail(f"{count} number{'s'[: count != 1]} expected, {len(given)} found")
         for word, value in zip(given, values, strict=True):
-            if not np.isfinite(value):
+            if not abs(value) < _LARGEST:
                 self.fail(f"a number expected, {found(word)}{hint(word)}")
         return values
 

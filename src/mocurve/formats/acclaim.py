@@ -48,8 +48,11 @@ def read(path: Path, *, skeleton: Path | None = None) -> Motion:
         )
     joints = _joints(body)
     degrees = body.degrees if frames.degrees is None else frames.degrees
-    columns = [column for joint in joints for column in _columns(joint, frames, degrees)]
+    with np.errstate(over="ignore", invalid="ignore"):
+        columns = [column for joint in joints for column in _columns(joint, frames, degrees)]
     values = np.column_stack(columns) if columns else np.empty((frames.total, 0))
+    if not np.isfinite(values).all():
+        raise FileError("its numbers are too large for a motion", amc)
     return Motion(_skeleton(joints, body.unit), values, 1.0 / FPS)
 
 
@@ -164,7 +167,7 @@ def _joints(body: _asf.Body) -> list[_Joint]:
 
 def _axes(wxyz: np.ndarray) -> np.ndarray:
     """(3, 3) the columns are the axes that the rotation makes of x, y and z; exactly 0 and 1 where nearly so."""
-    columns = rotation.rotate(wxyz, np.eye(3)).T
+    columns = rotation.rotate(wxyz, np.eye(3)).T if wxyz[1:].any() else np.eye(3)
     whole = np.rint(columns)
     return np.where(np.abs(columns - whole) < _ALIGNED, whole, columns)
 
