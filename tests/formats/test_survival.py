@@ -87,7 +87,7 @@ def written(path: Path, clip: mc.KeyedMotion, profile: str) -> str:
 
 def read_back(path: Path) -> mc.Motion | mc.KeyedMotion:
     with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", "no bones in the file|.*no bones in the file")  # AMASS has none
+        warnings.filterwarnings("ignore", "(.*: )?(no bones in the file|a table does not say how)")  # AMASS, CSV
         return mc.read(path)
 
 
@@ -203,7 +203,8 @@ def test_names_that_a_format_cannot_hold_are_warned_of(tmp_path, clip, title, ex
     names = ("a b", "Knie", "Knie", "Ende")
     path = tmp_path / f"clip{extension}"
     told = written(path, replace(clip, skeleton=replace(clip.skeleton, names=names)), profile)
-    kept = mc.read(path).skeleton.names == names if title == BOTH else extension == ".csv"
+    back = read_back(path).skeleton.names if title == BOTH else ()
+    kept = back and back == names[: len(back)]  # an end site has no column in a table
     assert kept or re.search("names? (changed|of their own)", told)
     if TABLES[title][extension, profile]["names"] == "ASCII":
         assert "'a b' is 'a_b'" in told
@@ -214,7 +215,7 @@ def test_a_unit_that_nobody_said_is_not_made_up_in_silence(tmp_path, clip, smpl,
     given = smpl if profile == "amass" else clip
     path = tmp_path / f"clip{extension}"
     told = written(path, replace(given, skeleton=replace(given.skeleton, unit=None)), profile)
-    unsaid = read_back(path).skeleton.unit is None if title == BOTH else extension == ".csv"
+    unsaid = title == BOTH and read_back(path).skeleton.unit is None
     assert "unit" in told or unsaid
 
 

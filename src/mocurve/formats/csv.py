@@ -134,13 +134,16 @@ def _given_body(skeleton: Path, names: list[str]) -> tuple[Skeleton, list[int]]:
 
 def _flat_body(channels: list[tuple[str, str]], values: np.ndarray, path: Path) -> tuple[Skeleton, list[int]]:
     """A root for each joint, and the order of the columns that puts those of one joint side by side."""
-    joints: dict[str, dict[str, int]] = {}
-    for column, (name, kind) in enumerate(channels):
-        mine = joints.setdefault(name, {})
-        if kind in mine:
-            raise FileError(f"two columns are the {kind} of {name!r}", path, 1)
-        mine[kind] = column
     markers = not any(kind.endswith("rotation") for _, kind in channels)
+    joints: list[tuple[str, dict[str, int]]] = []  # name, column of each kind
+    latest: dict[str, dict[str, int]] = {}
+    for column, (name, kind) in enumerate(channels):
+        if markers and kind in latest.get(name, {}):
+            raise FileError(f"two columns are the {kind} of {name!r}", path, 1)
+        if kind in latest.get(name, {kind: column}):  # the first joint of that name, or one more
+            latest[name] = {}
+            joints.append((name, latest[name]))
+        latest[name][kind] = column
     if not markers:
         warnings.warn(
             f"{os.fsdecode(path)}: a table does not say how its {len(joints)} joints hang together; each stands for "
@@ -149,14 +152,10 @@ def _flat_body(channels: list[tuple[str, str]], values: np.ndarray, path: Path) 
         )
     offsets = np.zeros((len(joints), 3))
     if markers:  # where they mostly are
-        for joint, mine in enumerate(joints.values()):
+        for joint, (_, mine) in enumerate(joints):
             for kind, column in mine.items():
                 seen = values[~np.isnan(values[:, column]), column]
                 offsets[joint, AXES.index(kind[0])] = np.median(seen) if len(seen) else 0.0
-    body = Skeleton(
-        tuple(joints),
-        np.full(len(joints), -1),
-        offsets,
-        tuple(tuple(mine) for mine in joints.values()),
-    )
-    return body, [column for mine in joints.values() for column in mine.values()]
+    kinds = tuple(tuple(mine) for _, mine in joints)
+    body = Skeleton(tuple(name for name, _ in joints), np.full(len(joints), -1), offsets, kinds)
+    return body, [column for _, mine in joints for column in mine.values()]
