@@ -50,6 +50,18 @@ def test_numpy_reads_it_without_pickle(path, small):
         assert data["joint_channels"].tolist() == ["Xposition Zrotation Yrotation", "Xrotation", ""]
 
 
+def test_gaps_of_positions_come_back_and_nothing_else_may_be_unknown(tmp_path, small):
+    values = small.values.copy()
+    values[1, 0] = np.nan
+    mc.write(tmp_path / "a.npz", replace(small, values=values))
+    assert np.array_equal(mc.read(tmp_path / "a.npz").values, values, equal_nan=True)
+    for column, number in ((0, np.inf), (3, np.nan)):
+        values[2, column] = number
+        with pytest.raises(mc.Mismatch, match=r"rotation is nan at frame 2|position is inf at frame 2: only positions"):
+            mc.write(tmp_path / "a.npz", replace(small, values=values))
+        values[2, column] = 0.0
+
+
 @pytest.mark.parametrize(
     ("name", "array", "words"),
     [

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import FileError, MocurveError, OptionError
+from ..errors import FileError, Mismatch, MocurveError, OptionError
 from ..motion import Clip, Motion
 from ..skeleton import Skeleton
 from ._files import Path, opened, replacing
@@ -103,7 +103,11 @@ def write(path: Path, clip: Clip, *, profile: str = "mocurve", lossless: bool = 
 
 
 def _own(motion: Motion, path: Path) -> dict[str, np.ndarray]:
-    body = motion.skeleton
+    body, wrong = motion.skeleton, _impossible(motion)
+    if wrong.any():
+        frame, channel = (int(place[0]) for place in np.nonzero(wrong))
+        told = f"{body.channel_names[channel]} is {motion.values[frame, channel]} at frame {frame}"
+        raise Mismatch(f"{told}: only positions can be unknown, and nothing infinite")
     return {
         "version": np.array(VERSION),
         "values": motion.values,
@@ -166,8 +170,8 @@ def _motion(data: dict[str, np.ndarray], path: Path) -> Motion:
     history = json.loads(str(data["history"]))
     if not isinstance(history, list) or not all(isinstance(step, dict) for step in history):
         raise FileError("history: a list of objects expected", path)
-    if not (np.isfinite(data["values"]).all() and np.isfinite(data["offsets"]).all()):
-        raise FileError("values, offsets: finite numbers expected", path)
+    if not np.isfinite(data["offsets"]).all():
+        raise FileError("offsets: finite numbers expected", path)
     body = Skeleton(
         tuple(data["joint_names"].tolist()),
         data["parents"],
@@ -176,4 +180,13 @@ def _motion(data: dict[str, np.ndarray], path: Path) -> Motion:
         data["end_sites"],
         None if np.isnan(unit) else unit,
     )
-    return Motion(body, np.asfortranarray(data["values"], np.float64), float(data["frame_time"]), tuple(history))
+    values = np.asfortranarray(data["values"], np.float64)
+    motion = Motion(body, values, float(data["frame_time"]), tuple(history))
+    if _impossible(motion).any():
+        raise FileError("values: finite numbers expected, or NaN where a position is not known", path)
+    return motion
+
+
+def _impossible(motion: Motion) -> np.ndarray:
+    """(F, C) True where a value is not finite; NaN is allowed for positions: markers have gaps."""
+    return ~np.isfinite(motion.values) & (motion.skeleton.rotation_channels | ~np.isnan(motion.values))
