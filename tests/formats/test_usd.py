@@ -98,6 +98,20 @@ def test_the_skeleton_of_usdskel_stands_where_the_clip_has_it(tmp_path, usd):
 
 
 @pytest.mark.parametrize("profile", ["splines", "skel"])
+def test_between_frames_nothing_turns_the_long_way(tmp_path, usd, profile):
+    body = mc.Skeleton(("a",), [-1], [[1, 0, 0]], (("Xrotation",),), unit=0.01)
+    mc.write(tmp_path / "a.usda", mc.Motion(body, [[170.0], [179.0], [-172.0]], 1 / 24), profile=profile)
+    stage = usd[0].Stage.Open(str(tmp_path / "a.usda"))
+    if profile == "splines":
+        assert stage.GetPrimAtPath("/a/a").GetAttribute("xformOp:rotateX").Get(1.5) == pytest.approx(183.5)
+    else:
+        turns = usd[2].Animation(stage.GetPrimAtPath("/a/animation")).GetRotationsAttr()
+        parts = [(turn.GetReal(), *turn.GetImaginary()) for frame in range(3) for turn in turns.Get(frame)]
+        assert np.dot(parts[0], parts[1]) > 0.9
+        assert np.dot(parts[1], parts[2]) > 0.9
+
+
+@pytest.mark.parametrize("profile", ["splines", "skel"])
 def test_the_stage_says_unit_axis_and_rate(tmp_path, usd, profile):
     clip = mc.Motion(chains.skeleton(0.0254), chains.samples().values, 1001 / 30000)
     mc.write(tmp_path / "my walk.usda", clip, profile=profile)

@@ -131,6 +131,7 @@ def _records(data: bytes, place: int, end: int | None) -> tuple[list[Record], in
             assert reached == after
         else:
             assert inside + size == after
+            assert values  # programs expect a null record in what is otherwise empty
         records.append(Record(name, values, children))
         place = after
     place += 13
