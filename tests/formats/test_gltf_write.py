@@ -200,6 +200,11 @@ def test_a_guess_of_the_length_unit_is_told(tmp_path, height, metres, name):
     assert (told["unit"], told["scale"]) == (None, metres)
 
 
+def test_a_file_name_that_is_no_text_is_written_too(tmp_path, said):
+    file = written(tmp_path / "w\udce9.glb", said, profile="baked")  # a byte that is no UTF-8, as Python has it
+    assert file.parts["animations"][0]["name"] == "w?"
+
+
 def test_a_clip_without_frames_is_a_body_alone(tmp_path, said):
     with pytest.warns(UserWarning, match="'a' has no frames: an animation of glTF cannot be empty, it is left out"):
         file = written(tmp_path / "a.glb", said[:0], profile="baked")

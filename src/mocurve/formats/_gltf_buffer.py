@@ -22,30 +22,31 @@ class Buffer:
         self.accessors: list[dict[str, Any]] = []
         self._known: dict[tuple[Any, ...], int] = {}
 
-    def add(self, array: np.ndarray, *, bounds: bool = False, vertices: bool = False, share: bool = False) -> int:
+    def add(self, array: np.ndarray, *, bounds: bool = False, vertices: bool = False, normalized: bool = False) -> int:
         """The accessor of an array (N,), (N, 3), (N, 4) or (N, 16) of float32, uint8 or uint16.
 
-        bounds: with its least and largest values; vertices: numbers of a mesh; share: of 0..1 for unsigned numbers.
+        bounds: with its least and largest values; vertices: numbers of a mesh; normalized: integers that stand
+        for 0 to 1.
         """
         data = np.ascontiguousarray(array, array.dtype.newbyteorder("<"))
         raw = data.tobytes()
-        key = (raw, data.dtype.str, data.shape, bounds, vertices, share)
+        key = (raw, data.dtype.str, data.shape, bounds, vertices, normalized)
         if key not in self._known:
             self._known[key] = len(self.accessors)
             view: dict[str, Any] = {"buffer": 0, "byteOffset": len(self.data), "byteLength": len(raw)}
             self.views.append({**view, "target": VERTICES} if vertices else view)
             self.data += raw + bytes(-len(raw) % 4)
-            self.accessors.append(self._accessor(data, bounds, share))
+            self.accessors.append(self._accessor(data, bounds, normalized))
         return self._known[key]
 
-    def _accessor(self, data: np.ndarray, bounds: bool, share: bool) -> dict[str, Any]:
+    def _accessor(self, data: np.ndarray, bounds: bool, normalized: bool) -> dict[str, Any]:
         accessor: dict[str, Any] = {
             "bufferView": len(self.views) - 1,
             "componentType": COMPONENTS[data.dtype.str[1:]],
             "count": len(data),
             "type": SHAPES[data.shape[1:]],
         }
-        if share:
+        if normalized:
             accessor["normalized"] = True
         if bounds:
             accessor["min"], accessor["max"] = (np.atleast_1d(f(data, axis=0)).tolist() for f in (np.min, np.max))
@@ -67,7 +68,8 @@ def key_times(times: np.ndarray, frame_time: float) -> np.ndarray:
 
     Two keys that stand nearer than that, as a step has them, come to stand on neighbouring numbers.
     """
-    bits = float32(times, "key times").view(np.int32).astype(np.int64)  # of positive floats: they rise together
+    positive = float32(times + 0.0, "key times")  # no -0: the bits of the others rise as they do
+    bits = positive.view(np.int32).astype(np.int64)
     order = np.arange(len(bits))
     rising = (np.maximum.accumulate(bits - order) + order).astype(np.int32).view(np.float32)
     if np.abs(rising - times).max(initial=0.0) > 0.25 * frame_time:

@@ -130,7 +130,7 @@ class Document:
             "POSITION": add(float32(shape.positions, "bones in metres"), bounds=True, vertices=True),
             "NORMAL": add(shape.normals.astype(np.float32), vertices=True),
             "JOINTS_0": add(joints, vertices=True),
-            "WEIGHTS_0": add(weights, vertices=True, share=True),
+            "WEIGHTS_0": add(weights, vertices=True, normalized=True),
         }
         self.parts["materials"] = [{"name": name, "pbrMetallicRoughness": MATERIAL}]
         self.parts["meshes"] = [{"name": name, "primitives": [{"attributes": attributes, "material": 0}]}]

@@ -79,7 +79,7 @@ def write(
         raise OptionError(f"the {profile} profile chooses no keys of its own and has no use for a tolerance")
     from . import _gltf_buffer, _gltf_write, _gltf_write_tracks  # what reading needs none of
 
-    title = os.path.splitext(os.path.basename(os.fsdecode(path)))[0]
+    title = os.path.splitext(os.path.basename(os.fsdecode(path)))[0].encode(errors="replace").decode()
     clips = dict(clip) if isinstance(clip, Mapping) else {title: clip}
     motions = {name: _checked(name, each) for name, each in clips.items()}
     body = _one_body(motions)
