@@ -162,6 +162,14 @@ def test_writing_warns_of_joints_positions_and_units_that_are_lost(tmp_path):
         assert lost in told
 
 
+def test_values_that_are_not_finite_are_not_written(tmp_path):
+    save(tmp_path / "a.npz", 66)
+    motion = read(tmp_path / "a.npz")
+    odd = np.where(np.arange(69) == 1, np.nan, motion.values)
+    with pytest.raises(mc.Mismatch, match="a value of the clip is not finite"):
+        mc.write(tmp_path / "b.npz", replace(motion, values=odd), profile="amass")
+
+
 def test_keys_are_sampled_and_lengths_become_metres(tmp_path):
     save(tmp_path / "a.npz", 66)
     motion = replace(read(tmp_path / "a.npz"), values=np.tile(np.arange(69.0), (3, 1)))

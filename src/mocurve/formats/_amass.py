@@ -158,6 +158,8 @@ def arrays(clip: Motion) -> dict[str, np.ndarray]:
 
     A warning says what is lost: always the body, for which the mean one of the model stands.
     """
+    if not np.isfinite(clip.values).all():
+        raise Mismatch("a value of the clip is not finite, which an AMASS file cannot hold")
     body = clip.skeleton
     names = set(body.names)
     joints = next((known for known in MODELS.values() if names.issuperset(known)), _BODY)
