@@ -65,7 +65,7 @@ def compared(rig: Any, job: dict[str, Any], axes: np.ndarray, scale: float, firs
     turns, places = poses(rig, [job["bones"][k] for k in have], said["frames"] + first)
     turns = np.einsum("ba,fjbc,cd->fjad", axes, turns, axes)
     return {
-        "bones": len(have),
+        "compared": len(have),
         "degrees": float(degrees_between(turns, said["turns"][:, have]).max(initial=0.0)),
         "units": float(np.abs(places @ axes / scale - said["places"][:, have]).max(initial=0.0)),
     }
@@ -157,7 +157,7 @@ def imported(job: dict[str, Any]) -> dict[str, Any]:
     bpy.context.scene.render.fps, bpy.context.scene.render.fps_base = job["fps"]
     kind, path = job["format"], job["file"]
     if kind == "bvh":
-        bpy.ops.import_anim.bvh(filepath=path, frame_start=0, use_fps_scale=False, update_scene_fps=False)
+        bpy.ops.import_anim.bvh(filepath=path, frame_start=1, use_fps_scale=False, update_scene_fps=False)
     elif kind == "fbx":
         bpy.ops.import_scene.fbx(filepath=path, anim_offset=0.0)
     else:
@@ -166,7 +166,37 @@ def imported(job: dict[str, Any]) -> dict[str, Any]:
     world = np.array(rig.matrix_world)[:3, :3]
     scale = float(np.cbrt(np.linalg.det(world)))
     axes = (world / scale).T @ TO_Z_UP  # clip to armature
-    return compared(rig, job, axes, job["metres"] / scale)
+    first = 1.0 if kind == "bvh" else 0.0  # that importer knows no frame 0
+    return compared(rig, job, axes, job["metres"] / scale, first)
+
+
+def existing(job: dict[str, Any]) -> dict[str, Any]:
+    """The clip on an armature that an importer made, and that was scaled; then an edit of its root."""
+    answer = imported({**job, "fps": [30, 1.0], "metres": 1.0, "reference": job["reference"]})
+    rig = only_armature()
+    for other in bpy.context.selected_objects:
+        other.select_set(False)
+    rig.select_set(True)
+    bpy.context.view_layer.objects.active = rig
+    rig.scale *= job["size"]
+    bpy.ops.object.transform_apply(location=False, rotation=True, scale=True)
+    code = script(job["script"])
+    code["build"](rig.name)
+    size = job["size"] * (0.01 if job["format"] == "glb" else 1.0)
+    answer = compared(rig, job, TO_Z_UP, size)
+    out = job["script"] + ".back.json"
+    code["export"](out, rig.name)
+    action = rig.animation_data.action
+    bag = action.layers[0].strips[0].channelbag(rig.animation_data.action_slot)
+    root = job["bones"][0]
+    for name, index in (("rotation_quaternion", 1), ("location", 0)):
+        _move(bag.fcurves.find(f'pose.bones["{root}"].{name}', index=index), 1, 0.0, 0.125)
+    edited = job["script"] + ".edited.curves.json"
+    code["export"](edited, rig.name, action.name)
+    turns, places = poses(rig, job["bones"], np.arange(0.0, bpy.context.scene.frame_end + 1))
+    shown = job["script"] + ".shown.npz"
+    np.savez(shown, turns=np.einsum("ba,fjbc,cd->fjad", TO_Z_UP, turns, TO_Z_UP), places=places @ TO_Z_UP / size)
+    return {**answer, "actions": len(bpy.data.actions), "out": out, "edited": edited, "shown": shown}
 
 
 def main() -> None:
