@@ -135,3 +135,20 @@ def test_several_animations_and_text_files_are_played_too(tmp_path, jump):
         assert played.animations == ["First", "Second"]
         assert played.bones == len(clip.skeleton.names)
         assert played.places / 0.0254 == pytest.approx(kinematics.world(parts["Second"]), abs=1e-3)
+
+
+@pytest.mark.filterwarnings("ignore")  # each of these is odd in its own way, and told so
+def test_clips_with_the_oddities_of_real_files_are_played_as_they_are(tmp_path, clips):
+    node.require()
+    odd = [mc.read(path, unit=1.0) for path in sorted((clips / "awkward").glob("*.bvh"))]
+    odd = [clip for clip in odd if clip.frames and clip.skeleton.names]
+    paths = [tmp_path / f"{number}.glb" for number in range(len(odd))]
+    for path, clip in zip(paths, odd, strict=True):
+        mc.write(path, clip, profile="baked")
+    reports = node.validate(paths)
+    played = node.play([(path, None, halves(clip)[::2]) for path, clip in zip(paths, odd, strict=True)])
+    for clip, report, shown in zip(odd, reports, played, strict=True):
+        assert (report["errors"], report["warnings"]) == (0, 0), report["messages"]
+        degrees, length = off(File(clip, report, shown), kinematics.world(clip), kinematics.rotations(clip))
+        assert degrees < 1e-3
+        assert length < 1e-5 * max(np.abs(kinematics.world(clip)).max(), 1.0)
