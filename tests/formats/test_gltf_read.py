@@ -285,6 +285,16 @@ def test_keys_of_several_tracks_share_a_rate(path):
     assert (motion.frame_time, motion.frames) == (1 / 60, 121)
 
 
+@pytest.mark.parametrize("keys", [range(3000), [0, 7, 30, 31, 100, 900, 2999]])
+def test_a_rate_that_a_program_rounded_is_the_one_it_means(path, keys):
+    """Blender makes a frame time of 0.033333 s a rate of 30.0003; the last key is then 0.03 frames early."""
+    scene = two()
+    scene.animate(1, "rotation", 0.033333 * np.array(keys), [turn(k % 50) for k in keys])
+    motion = gltf.read(scene.glb(path))
+    assert (motion.frame_time, motion.frames) == (1 / 30, 3000)
+    np.testing.assert_allclose(motion.values[list(keys), 6], [k % 50 for k in keys], atol=1e-5)
+
+
 @pytest.mark.parametrize(("step", "rate"), [(0.0501234, 30), (0.0101234, 60)])
 def test_keys_that_fit_no_rate_are_told(path, step, rate):
     scene = two()

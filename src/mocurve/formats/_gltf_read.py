@@ -53,7 +53,7 @@ def _motion(nodes: Tree, animation: Animation) -> Motion:
     if not animation.tracks:
         document.fail("animations", "none that moves a node: there is no motion to read")
     body = _body(nodes, animation)
-    frames = rate.guessed(list(animation.times.values()), document.odd)
+    frames, frame_time = rate.guessed(list(animation.times.values()), document.odd)
     tracks.check_size(document, frames, 3 * len(body) + 3)
     places = _places(nodes, animation, body, frames)
     index = {node: joint for joint, node in enumerate(body)}
@@ -78,7 +78,7 @@ def _motion(nodes: Tree, animation: Animation) -> Motion:
         turned = rotation.to_euler(tracks.play(animation, nodes, node, "rotation", frames), ORDER)
         values[:, at : at + 3] = rotation.unroll_euler(turned, ORDER)
         at += 3
-    return Motion(skeleton, values, frames.frame_time)
+    return Motion(skeleton, values, frame_time)
 
 
 def _body(nodes: Tree, animation: Animation) -> list[int]:
