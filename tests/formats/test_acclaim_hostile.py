@@ -253,6 +253,25 @@ def test_a_deep_chain_of_bones_is_read_and_too_many_are_refused(pair):
             assert "at most 20000 bones expected" in refused(path)
 
 
+def test_many_bones_that_the_motion_says_nothing_of_take_no_memory(pair):
+    bones = "".join(f"begin\nname b{i}\ndirection 0 1 0\nlength 1\ndof rx ry rz\nend\n" for i in range(2000))
+    names = " ".join(f"b{i}" for i in range(2000))
+    frames = "".join(f"{i}\nroot 0 0 0 0 0 0\n" for i in range(3, 20_000))
+    start = AMC[: AMC.index("1\nroot")]
+    path = pair(
+        ":hierarchy", bones + ":hierarchy", "back arm head\n", f"back arm head {names}\n", amc=(AMC, start + frames)
+    )
+    assert "19997 frames of 4006 joints, most of which it says nothing of" in refused(path)
+
+
+def test_very_many_unknown_words_are_refused_soon(pair):
+    assert "is not known, and neither are 20 words before it" in refused(
+        pair("bodymass 10", "\n".join(f"key{i} 1" for i in range(100_000)))
+    )
+    long = "".join(f"begin\nname {'b' * 900}{i}\ndirection 0 1 0\nlength 1\nend\n" for i in range(2000))
+    assert "no bone 'bbb" in refused(pair(":hierarchy", long + ":hierarchy", "back arm head\n", f"back {'b' * 899}x\n"))
+
+
 def test_memory_is_bounded_by_the_file(pair):
     path = pair(amc=("head -7 8\n", "head -7 8\n3\nroot " + "1 " * 2_000_000))
     tracemalloc.start()

@@ -12,8 +12,9 @@ from typing import BinaryIO, NamedTuple, NoReturn
 
 import numpy as np
 
-from ..errors import FileError, UnknownName
+from ..errors import FileError
 from ..progress import advance
+from ._asf import no_bone
 from ._bvh_header import found, hint, number
 from ._files import Path
 
@@ -116,7 +117,7 @@ class _Reader:
         elif len(words) == 1 and word.isdigit() and len(word) <= 18:
             self._begin(int(word))
         elif self.frame and len(words) > 1:
-            self.fail(str(UnknownName("bone", _text(word)[:60], map(_text, self.widths))))
+            self.fail(no_bone(_text(word), map(_text, self.widths)))
         else:
             self.fail(f"the number of a frame expected, {found(_text(b' '.join(words)))}")
 

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from itertools import islice
 from typing import NamedTuple, NoReturn
 
 import numpy as np
@@ -22,6 +23,7 @@ from ._files import Path, opened
 MAX_BYTES = 16 << 20  # a skeleton of MAX_JOINTS bones has a quarter of that
 TURNS, SHIFTS, STRETCH = ("rx", "ry", "rz"), ("tx", "ty", "tz"), "l"
 _CMU_LENGTH = 0.45  # ":units length" of the CMU database: its values are inches times that
+_MOST_UNKNOWN = 20  # words of other programs that are left aside
 _LARGEST = 1e100  # far from what a number holds, so that nothing overflows
 _SEPARATORS = str.maketrans("(),", "   ")
 _ENDLESS = ("inf", "+inf", "-inf")
@@ -68,6 +70,11 @@ def read(path: Path) -> Body:
     return _Reader(text, path).body(codec)
 
 
+def no_bone(name: str, bones: Iterable[str]) -> str:
+    """What is told of a name that no bone has; only some names are compared with it, which may be many and long."""
+    return str(UnknownName("bone", name[:60], [known for known in islice(bones, 500) if len(known) <= 60]))
+
+
 def _decoded(data: bytes, path: Path) -> tuple[str, str]:
     try:
         return data.decode("utf-8-sig"), "utf-8"
@@ -100,7 +107,7 @@ class _Reader:
     def _split(self, text: str) -> dict[str, list[Row]]:
         sections: dict[str, list[Row]] = {}
         rows: list[Row] | None = None
-        for self.line, line in enumerate(text.splitlines(), 1):
+        for self.line, line in enumerate(text.replace("\r\n", "\n").replace("\r", "\n").split("\n"), 1):
             words = line.partition("#")[0].translate(_SEPARATORS).split()
             if words and words[0].startswith(":"):
                 keyword = words[0].lower()
@@ -221,7 +228,7 @@ class _Reader:
         for self.line, names in blocks[0][1:]:
             for name in names:
                 if name not in bones:
-                    self.fail(str(UnknownName("bone", name[:MAX_NAME], bones)))
+                    self.fail(no_bone(name, bones))
             for child in names[1:]:
                 if child in above:
                     self.fail(
@@ -250,6 +257,8 @@ class _Reader:
     def _leave(self, key: str) -> None:
         if key not in self.unknown:
             self.unknown.add(key)
+            if len(self.unknown) > _MOST_UNKNOWN:
+                self.fail(f"{key[:40]!r} is not known, and neither are {_MOST_UNKNOWN} words before it")
             warnings.warn(f"{os.fspath(self.path)}:{self.line}: {key[:40]!r} is not known and left aside", stacklevel=7)
 
     def _one(self, given: list[str], *allowed: str) -> str:

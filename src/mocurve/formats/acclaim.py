@@ -23,6 +23,7 @@ from ._files import Path, opened
 
 FPS = 120  # of nearly all clips of the CMU database; AMC has no place for it
 _ALIGNED = 1e-12  # entries of C off 0 and 1 by less are axes that only change places
+_MOST = 50_000_000  # channel values that need not be in the file
 _GENERAL = "ZYX"  # order of a joint whose own axes are oblique
 
 
@@ -47,6 +48,9 @@ def read(path: Path, *, skeleton: Path | None = None) -> Motion:
             stacklevel=3,
         )
     joints = _joints(body)
+    numbers = frames.total * sum(len(joint.channels) for joint in joints)
+    if numbers > _MOST and numbers > 4 * sum(values.size for values in frames.values.values()):
+        raise FileError(f"{frames.total} frames of {len(joints)} joints, most of which it says nothing of", amc)
     degrees = body.degrees if frames.degrees is None else frames.degrees
     with np.errstate(over="ignore", invalid="ignore"):
         columns = [column for joint in joints for column in _columns(joint, frames, degrees)]
