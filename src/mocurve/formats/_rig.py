@@ -107,7 +107,9 @@ def _metres(clip: Clip) -> float:
         return clip.skeleton.unit
     unit = unit_of(clip.sample())
     warnings.warn(
-        f"no length unit was said: from the height of the body it is taken to be the {unit.name}", stacklevel=5
+        f"no length unit was said: from the height of the body it is taken to be the {unit.name}; say it with the option "
+        "unit",
+        stacklevel=5,
     )
     return unit.metres
 
