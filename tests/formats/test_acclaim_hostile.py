@@ -196,6 +196,7 @@ def test_odd_but_right_motions_are_read(pair, old, new):
         ("position 0 0 0\n  orientation 0 0 0\n", ""),
         ("axis 0 0 0 XYZ", "axis (0, 0, 0) XYZ"),
         ("axis 0 0 0 XYZ", ""),
+        ("axis 10 20 30 XYZ", "axis 10 20 30"),
         ("    bodymass 10\n", ""),
     ],
 )

@@ -203,7 +203,8 @@ class _Reader:
             elif key in ("direction", "length"):
                 values[key] = self._numbers(given, 3 if key == "direction" else 1)
             elif key == "axis":
-                values[key], order = self._numbers(given[:3], 3), self._order(given[3:])
+                values[key] = self._numbers(given[:3], 3)
+                order = self._order(given[3:]) if given[3:] else order
             elif key == "dof":
                 dof = self._dof(given, (*TURNS, *SHIFTS, STRETCH))
             elif key not in ("id", "bodymass", "cofmass"):
