@@ -13,7 +13,7 @@ import mocurve as mc
 from mocurve import kinematics, rotation
 from mocurve.formats import fbx
 
-GUESSED = r"no length unit was said: from the height of the body it is taken to be the"
+GUESSED = r"no length unit was said: the body's height suggests the"
 
 
 def file_of(folder, clip, **options) -> fbx_files.Fbx:

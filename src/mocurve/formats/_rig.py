@@ -107,8 +107,7 @@ def _metres(clip: Clip) -> float:
         return clip.skeleton.unit
     unit = unit_of(clip.sample())
     warnings.warn(
-        f"no length unit was said: from the height of the body it is taken to be the {unit.name}; say it with the option "
-        "unit",
+        f"no length unit was said: the body's height suggests the {unit.name}; say it with the option unit",
         stacklevel=5,
     )
     return unit.metres
