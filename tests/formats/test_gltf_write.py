@@ -11,6 +11,7 @@ from glb import Glb
 import mocurve as mc
 from mocurve import kinematics, rotation
 
+TIGHT = {"baked": {}, "linear": {"tolerance": "0.001deg"}}
 R3, P3 = ("Zrotation", "Xrotation", "Yrotation"), ("Xposition", "Yposition", "Zposition")
 
 
@@ -97,6 +98,24 @@ def test_quaternions_have_length_1_and_do_not_change_sides(tmp_path):
     values = written(tmp_path / "a.glb", clip, profile="baked").animation()["A", "rotation"].values
     assert np.linalg.norm(values.astype(float), axis=1) == pytest.approx(1, abs=1e-7)
     assert (np.sum(values[1:] * values[:-1], axis=1) > 0.9).all()
+
+
+@pytest.mark.parametrize("profile", ["baked", "linear"])
+def test_players_find_fast_joints_at_the_true_times_of_frames_that_32_bits_miss(tmp_path, profile):
+    shaking = body(("A", -1, (0, 0, 0), (*P3, *R3)), ("B", 0, (0, 1, 0), ()))
+    away = np.arange(3000) % 2
+    clip = mc.Motion(shaking, np.outer(away, [50.0, -20, 0, 90, 0, 20]), 1 / 30)
+    animation = written(tmp_path / "a.glb", clip, profile=profile, **TIGHT[profile]).animation()
+    times = np.arange(3000) / 30
+    turned, moved = animation["A", "rotation"], animation["A", "translation"]
+    assert np.abs(turned.times - times).max() > 1e-6
+    k = np.clip(np.searchsorted(turned.times, times, side="right") - 1, 0, 2998)
+    u = (times - turned.times[k]) / np.diff(turned.times.astype(float))[k]
+    wxyz = turned.values[:, [3, 0, 1, 2]].astype(float)
+    seen = rotation.slerp(wxyz[k], wxyz[k + 1], u)
+    assert rotation.angle(seen, kinematics.rotations(clip)[:, 0]).max() < 1e-4
+    x = np.interp(times, moved.times.astype(float), moved.values[:, 0].astype(float))
+    assert x == pytest.approx(0.5 * away, abs=1e-6)
 
 
 def test_what_does_not_move_has_one_key_and_what_stays_at_rest_has_none(tmp_path):

@@ -22,7 +22,7 @@ from ._gltf_write_tracks import JointTracks, Track, local_places, moving, turnin
 MOST_DEGREES = 1e-3  # off the curves, of a joint's own rotation; players are within twice that
 MOST_LENGTH = 8e-4  # off the curves in the world, file units; players are within 1e-3
 LEAST_DEGREES = 2e-5  # float32 quaternions are hardly better
-SLACKS = (16.0, 8.0, 4.0, 2.0, 1.0)  # joints seldom err together: times the part of MOST_LENGTH that is safe for each
+MOST_SLACK = 16.0  # joints seldom err together: times the part of MOST_LENGTH that is safe for each
 MOST_TURN = 120.0  # degrees that the angles of a joint move between two keys: more would hide from the samples
 SHORTEST = 0.124  # frames: no key is added within less than twice that
 SAMPLES = np.arange(1, 8) / 8.0  # of a stretch between two keys
@@ -40,14 +40,17 @@ def tracks(clip: KeyedMotion, motion: Motion) -> JointTracks:
     limits = _limits(motion)
     halves = clip.sample(0.5 * clip.frame_time)
     meant = kinematics.rotations(halves)
+    slack = MOST_SLACK
     with np.errstate(over="ignore", invalid="ignore"):  # what is too large is told where it is written
-        for slack in SLACKS:
+        while True:
             rotations = [
                 _rotation([curves[c] for c in columns], order, limit, ends, clip.frame_time) if columns else None
                 for ((columns, order), _), limit in zip(channels, np.minimum(slack * limits, MOST_DEGREES), strict=True)
             ]
-            if slack == SLACKS[-1] or _apart(halves, meant, rotations) <= MOST_LENGTH:
+            apart = _apart(halves, meant, rotations)
+            if not apart > MOST_LENGTH or slack == 1.0:  # no number where curves overflow
                 break
+            slack = max(slack * min(MOST_LENGTH / apart, 0.8), 1.0)
     return JointTracks(tuple(rotations), tuple(positions))
 
 
@@ -68,8 +71,7 @@ def _limits(motion: Motion) -> np.ndarray:
     chain = np.array(moves, np.int64)  # joints that turn, from the root to here
     for joint, parent in enumerate(skeleton.parents):
         chain[joint] += chain[parent] if parent >= 0 else 0
-    for joint in range(len(chain) - 1, -1, -1):  # on the longest way through here
-        parent = skeleton.parents[joint]
+    for joint, parent in reversed(list(enumerate(skeleton.parents))):  # on the longest way through here
         if parent >= 0:
             chain[parent] = max(chain[parent], chain[joint])
     lever = kinematics.reach(motion) * np.maximum(chain, 1)
