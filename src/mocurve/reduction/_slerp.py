@@ -12,7 +12,7 @@ import numpy as np
 
 from .._jit import kernel
 
-PATIENCE = 12  # frames in a row that no chord reaches before a start is given up
+PATIENCE = 4  # frames in a row that no chord reaches before a start is given up
 HALF_TURN = 0.1  # dot of two keys with frames between: below, rounding could send the slerp the other way round
 SINGULAR = 1e-30
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from .._jit import kernel
-from ._slerp import HALF_TURN, along, apart, between, matrix, product
+from ._slerp import HALF_TURN, along, apart, between, matrix
 
 SPAN = 3  # keys to either side of a key that is taken out, whose states may move
 FOCUS = 0.02  # weight of a point far inside its limit against one at the limit
@@ -28,11 +28,15 @@ def move(turns, y, by):
     part = min(1.0, LONGEST / angle) if angle > 0.0 else 1.0
     half = 0.5 * angle * part
     sine = np.sin(half) / angle if angle > 1e-300 else 0.5
-    turn = np.array([np.cos(half), sine * by[0], sine * by[1], sine * by[2]])
-    product(turn, y, y)
+    c, i, j, k = np.cos(half), sine * by[0], sine * by[1], sine * by[2]
+    q0, q1, q2, q3 = y
+    y[0] = c * q0 - i * q1 - j * q2 - k * q3
+    y[1] = c * q1 + i * q0 + j * q3 - k * q2
+    y[2] = c * q2 - i * q3 + j * q0 + k * q1
+    y[3] = c * q3 + i * q2 - j * q1 + k * q0
     size = np.sqrt(y[0] * y[0] + y[1] * y[1] + y[2] * y[2] + y[3] * y[3])
-    for k in range(4):
-        y[k] /= size
+    for a in range(4):
+        y[a] /= size
 
 
 @kernel
@@ -51,83 +55,103 @@ def solve3(h, g):
 
 
 @kernel
-def bounded(away, limit):
-    """A distance in limits; a limit of 0 holds only exactly."""
-    if away == 0.0:
-        return 0.0
-    return away / limit
+def measure(room, f, y, hessian, pull, m):
+    """The worst distance of state y at frame f in its limits; fills the quadratic (hessian (3, 3), pull (3,)) of the
+    weighted squares of all distances over a small move of y. m (4, 3): scratch."""
+    points, turns = room.arms.shape[1], room.turns
+    arms, targets, limits = room.arms[f], room.targets[f], room.limits[f]
+    carry(turns, y, m)
+    worst = 0.0  # squared, in limits
+    for p in range(points):
+        a0, a1, a2 = arms[p, 0], arms[p, 1], arms[p, 2]
+        d0 = m[0, 0] * a0 + m[0, 1] * a1 + m[0, 2] * a2 + m[3, 0] - targets[p, 0]
+        d1 = m[1, 0] * a0 + m[1, 1] * a1 + m[1, 2] * a2 + m[3, 1] - targets[p, 1]
+        d2 = m[2, 0] * a0 + m[2, 1] * a1 + m[2, 2] * a2 + m[3, 2] - targets[p, 2]
+        off = d0 * d0 + d1 * d1 + d2 * d2
+        if off > worst * limits[p] * limits[p]:
+            worst = off / (limits[p] * limits[p])
+    gone = apart(y, room.origin[f]) if turns else 0.0
+    for a in range(1 if turns else 3):
+        away = gone if turns else abs(room.origin[f, a] - y[a])
+        if away > 0.0:
+            worst = max(worst, (away / room.stray[f, a]) ** 2)
+    focus = 1.0 / worst if 0.0 < worst < np.inf else 0.0
+    h00, h01, h02, h11, h12, h22, g0, g1, g2 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for p in range(points):
+        if limits[p] == np.inf or limits[p] == 0.0:
+            continue
+        a0, a1, a2 = arms[p, 0], arms[p, 1], arms[p, 2]
+        x0 = m[0, 0] * a0 + m[0, 1] * a1 + m[0, 2] * a2
+        x1 = m[1, 0] * a0 + m[1, 1] * a1 + m[1, 2] * a2
+        x2 = m[2, 0] * a0 + m[2, 1] * a1 + m[2, 2] * a2
+        d0, d1, d2 = targets[p, 0] - x0 - m[3, 0], targets[p, 1] - x1 - m[3, 1], targets[p, 2] - x2 - m[3, 2]
+        per_limit = 1.0 / (limits[p] * limits[p])
+        share = (d0 * d0 + d1 * d1 + d2 * d2) * per_limit * focus
+        weight = (FOCUS + share * share) * per_limit
+        if turns:
+            g0 += weight * (x1 * d2 - x2 * d1)
+            g1 += weight * (x2 * d0 - x0 * d2)
+            g2 += weight * (x0 * d1 - x1 * d0)
+            h00 += weight * (x1 * x1 + x2 * x2)
+            h11 += weight * (x0 * x0 + x2 * x2)
+            h22 += weight * (x0 * x0 + x1 * x1)
+            h01 -= weight * x0 * x1
+            h02 -= weight * x0 * x2
+            h12 -= weight * x1 * x2
+        else:
+            g0, g1, g2 = g0 + weight * d0, g1 + weight * d1, g2 + weight * d2
+            h00, h11, h22 = h00 + weight, h11 + weight, h22 + weight
+    hessian[0, 0], hessian[1, 1], hessian[2, 2] = h00, h11, h22
+    hessian[0, 1] = hessian[1, 0] = h01
+    hessian[0, 2] = hessian[2, 0] = h02
+    hessian[1, 2] = hessian[2, 1] = h12
+    pull[0], pull[1], pull[2] = g0, g1, g2
+    draw_back(room, f, y, gone, focus, hessian, pull, m[0])
+    return np.sqrt(worst)
 
 
 @kernel
-def measure(room, f, y, hessian, pull, m):
-    """The worst distance of state y at frame f in its limits; fills the quadratic (hessian (3, 3), pull (3,)) of the
-    weighted squares of all distances over a small move of y."""
-    worst = 0.0
-    points = room.arms.shape[1]
-    x = np.empty(3)
-    away = np.empty(4)
-    if room.turns:
+def carry(turns, y, m):
+    """What the state y does to its points: matrix m[:3] and shift m[3]."""
+    if turns:
         matrix(y, m)
-    for p in range(points):
-        off = 0.0
-        for a in range(3):
-            moved = room.arms[f, p, a] + y[a]
-            if room.turns:
-                moved = m[a, 0] * room.arms[f, p, 0] + m[a, 1] * room.arms[f, p, 1] + m[a, 2] * room.arms[f, p, 2]
-            off += (moved - room.targets[f, p, a]) ** 2
-        worst = max(worst, bounded(np.sqrt(off), room.limits[f, p]))
-    if room.turns:
-        between(True, y, room.origin[f], away)
-        worst = max(worst, bounded(apart(y, room.origin[f]), room.stray[f, 0]))
+        m[3, 0], m[3, 1], m[3, 2] = 0.0, 0.0, 0.0
     else:
-        for a in range(3):
-            away[a + 1] = room.origin[f, a] - y[a]
-            worst = max(worst, bounded(abs(away[a + 1]), room.stray[f, a]))
-    focus = 1.0 / (worst * worst) if 0.0 < worst < np.inf else 0.0
-    hessian[:] = 0.0
-    pull[:] = 0.0
-    for p in range(points):
-        limit = room.limits[f, p]
-        if limit == np.inf or limit == 0.0:
-            continue
-        off, arm = 0.0, 0.0
-        for a in range(3):
-            x[a] = room.arms[f, p, a] + y[a]
-            if room.turns:
-                x[a] = m[a, 0] * room.arms[f, p, 0] + m[a, 1] * room.arms[f, p, 1] + m[a, 2] * room.arms[f, p, 2]
-            off += (x[a] - room.targets[f, p, a]) ** 2
-            arm += x[a] * x[a]
-        share = off * focus / (limit * limit)
-        weight = (FOCUS + share * share) / (limit * limit)
-        t0, t1, t2 = room.targets[f, p, 0], room.targets[f, p, 1], room.targets[f, p, 2]
-        if room.turns:
-            pull[0] += weight * (x[1] * t2 - x[2] * t1)
-            pull[1] += weight * (x[2] * t0 - x[0] * t2)
-            pull[2] += weight * (x[0] * t1 - x[1] * t0)
-            for a in range(3):
-                hessian[a, a] += weight * arm
-                for b in range(3):
-                    hessian[a, b] -= weight * x[a] * x[b]
-        else:
-            pull[0] += weight * (t0 - x[0])
-            pull[1] += weight * (t1 - x[1])
-            pull[2] += weight * (t2 - x[2])
-            for a in range(3):
-                hessian[a, a] += weight
+        m[0, 0], m[0, 1], m[0, 2] = 1.0, 0.0, 0.0
+        m[1, 0], m[1, 1], m[1, 2] = 0.0, 1.0, 0.0
+        m[2, 0], m[2, 1], m[2, 2] = 0.0, 0.0, 1.0
+        m[3, 0], m[3, 1], m[3, 2] = y[0], y[1], y[2]
+
+
+@kernel
+def draw_back(room, f, y, gone, focus, hessian, pull, rotation):
+    """Add to the quadratic what draws a state back to its original. gone: how far a rotation is from there, as its
+    chord; rotation (3,): scratch."""
+    if room.turns:
+        turn_to(y, room.origin[f], rotation)
     for a in range(3):
         limit = room.stray[f, 0] if room.turns else room.stray[f, a]
         if limit == np.inf or limit == 0.0:
             continue
-        gone = 2.0 * away[0] * away[a + 1] if room.turns else away[a + 1]
-        share = apart(y, room.origin[f]) if room.turns else abs(gone)
-        share = share * share * focus / (limit * limit)
+        away = rotation[a] if room.turns else room.origin[f, a] - y[a]
+        share = (gone * gone if room.turns else away * away) * focus / (limit * limit)
+        # a small turn is twice its chord
         weight = (FOCUS + share * share) / (limit * limit * (4.0 if room.turns else 1.0))
         hessian[a, a] += weight
-        pull[a] += weight * gone
-    trace = hessian[0, 0] + hessian[1, 1] + hessian[2, 2]
+        pull[a] += weight * away
+    small = 1e-9 * (hessian[0, 0] + hessian[1, 1] + hessian[2, 2])
     for a in range(3):
-        hessian[a, a] += 1e-9 * trace
-    return worst
+        hessian[a, a] += small
+
+
+@kernel
+def turn_to(a, b, out):
+    """Rotation vector (3,), in the parent's frame, of a small turn from a to b; of a large one its direction."""
+    dot = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]
+    side = 2.0 if dot >= 0.0 else -2.0
+    out[0] = side * (a[0] * b[1] - a[1] * b[0] + a[2] * b[3] - a[3] * b[2])
+    out[1] = side * (a[0] * b[2] - a[2] * b[0] + a[3] * b[1] - a[1] * b[3])
+    out[2] = side * (a[0] * b[3] - a[3] * b[0] + a[1] * b[2] - a[2] * b[1])
 
 
 @kernel
@@ -143,7 +167,7 @@ def refit(room, frames, values, hold_first, hold_last, sweeps, enough):
     ratios = np.empty(count)
     best, kept = np.inf, values.copy()
     diagonal, beside, right = np.empty((keys, 3, 3)), np.empty((keys, 3, 3)), np.empty((keys, 3))
-    hessian, pull, m = np.empty((3, 3)), np.empty(3), np.empty((3, 3))
+    hessian, pull, m = np.empty((3, 3)), np.empty(3), np.empty((4, 3))
     way, y = np.empty(4), np.empty(4)
     for sweep in range(sweeps + 1):
         diagonal[:], beside[:], right[:] = 0.0, 0.0, 0.0

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .._jit import kernel
-from ._slerp import along, apart, between, matrix, product
+from ._slerp import allows, along, apart, between, matrix, product
 from ._slerp_fit import measure, move, solve3
 from ._tubes import Body
 
@@ -128,7 +128,7 @@ def find_centre(room, states):
     """Fill the room's centre and inner from the states (F, 4) as they are now, frame by frame: the state whose worst
     point is furthest inside, by reweighted Newton steps."""
     hessian, pull = np.empty((3, 3)), np.empty(3)
-    m, y = np.empty((3, 3)), np.empty(4)
+    m, y = np.empty((4, 3)), np.empty(4)
     for f in range(len(states)):
         best = np.inf
         y[:] = states[f]
@@ -170,13 +170,13 @@ def free_about(room, f, m):
 
 
 @kernel
-def offer(room, allows, frames, states):
-    """Fill states (F, M, 4), M > 2, from 2 on: from the centre outward, against the way it bends over the span of its
+def offer(room, frames, states):
+    """Fill states (F, M, 4), from choice 2 on: from the centre outward, against the way it bends over the span of its
     keys (frames), half way and nearly all the way to the edge: there a chain of chords has its corners."""
     count, choices = states.shape[0], states.shape[1]
     way, y, m, out = np.empty(4), np.empty(4), np.empty((3, 3)), np.empty(3)
     q = 0
-    for f in range(count):
+    for f in range(count if choices > 2 else 0):
         while q + 2 < len(frames) and frames[q + 1] <= f:
             q += 1
         wide = max(1, (frames[min(q + 1, len(frames) - 1)] - frames[q]) // 2)

@@ -16,7 +16,7 @@ import numpy as np
 
 from .. import progress
 from ..kinematics import rest_height
-from ._slerp import Room, allows, fewest, sampled
+from ._slerp import Room, fewest, sampled
 from ._slerp_fit import prune, refit
 from ._slerp_scene import Scene, find_centre, furnish, offer, pose, worst
 from .problem import Problem
@@ -25,7 +25,6 @@ from .world import SHELL, body_of, point_limits
 RESERVE = 1e-3  # part of every limit left to the rounding of times and values to single precision
 SHARE = 0.15  # of what a way's lever arm allows: where it starts
 LEAST_SHARE = 1e-9  # below, a limit of nothing is asked: the check of the promise gives every frame its key
-CHOICES = 4  # states that a frame offers to a chain of chords: as it is, the midst, two towards the edge
 
 
 class Track(NamedTuple):
@@ -54,9 +53,12 @@ class Round(NamedTuple):
 
     stray: float  # how far a way may be from its original, in what its lever arm allows it
     sweeps: int  # of Newton steps, where keys are drawn to the midst and where one is taken out
+    choices: int  # states that a frame offers to a chain of chords: as it is, the midst, more towards the edge
 
 
-ROUNDS = (Round(0.4, 4), Round(1.6, 4), Round(2.4, 4), Round(2.4, 4), Round(2.4, 4))
+# chains from edge to edge leave nothing to the other ways: they come last
+ROUNDS = (Round(0.4, 4, 2), Round(1.6, 4, 2), Round(2.4, 4, 2), Round(2.4, 4, 4))
+ALONE = (Round(1.0, 6, 4), Round(1.0, 6, 4))  # of a way that shares its room with no other
 
 
 def search(asked: Problem, ways: list[Way], turned: np.ndarray, placed: np.ndarray) -> list[Track]:
@@ -69,7 +71,10 @@ def search(asked: Problem, ways: list[Way], turned: np.ndarray, placed: np.ndarr
         for way, cap in zip(ways, caps, strict=True):
             progress.advance("keys of joints", len(done), len(ways))
             room = _room(way, cap, 0)
-            done.append(_better(room, _chords(way.states, room), 8))
+            track = _chords(way.states, room)
+            for step in ALONE:
+                track = _better(room, track, step)
+            done.append(track)
         return done
     scene = scene_of(asked, turned, placed)
     alone = [_allowance(scene, way, 0.5 * SHELL * rest_height(asked.motion)) for way in ways]
@@ -78,7 +83,7 @@ def search(asked: Problem, ways: list[Way], turned: np.ndarray, placed: np.ndarr
         progress.advance("keys of joints", number, len(ROUNDS))
         for w in range(len(ways) - 1, -1, -1):
             room = _furnished(scene, ways[w], np.minimum(step.stray * alone[w], caps[w]))
-            tracks[w] = _better(room, tracks[w], step.sweeps)
+            tracks[w] = _better(room, tracks[w], step)
             _put(scene, ways[w], tracks[w])
     return tracks
 
@@ -149,24 +154,22 @@ def _chords(states: np.ndarray, room: Room) -> Track:
     return Track(found, states[found])
 
 
-def _better(room: Room, track: Track, sweeps: int) -> Track:
+def _better(room: Room, track: Track, step: Round) -> Track:
     """The track drawn to the midst of its room, and fewer keys where they will do."""
-    if len(track.frames) == 1:
-        values = track.values.copy()
-        refit(room, track.frames, values, False, False, sweeps, 0.0)
-        return Track(track.frames, values)
-    constant = Track(np.zeros(1, np.int64), room.centre[len(room.centre) // 2][None].copy())
-    if refit(room, *constant, False, False, sweeps, 1.0) <= 1.0:
-        return constant
-    states = np.empty((len(room.centre), CHOICES, 4))
+    start = np.zeros(1, np.int64)
+    constant = room.centre[len(room.centre) // 2][None].copy() if len(track.frames) > 1 else track.values.copy()
+    enough = 1.0 if len(track.frames) > 1 else 0.0
+    if refit(room, start, constant, False, False, step.sweeps, enough) <= 1.0 or len(track.frames) == 1:
+        return Track(start, constant)
+    states = np.empty((len(room.centre), step.choices, 4))
     sampled(room.turns, *track, states[:, 0])
     states[:, 1] = room.centre
-    offer(room, allows, track.frames, states)
-    found = fewest(room, states.copy())
-    if len(found) < len(track.frames):
-        at = found // CHOICES
-        track = Track(at, states[at, found % CHOICES])
+    offer(room, track.frames, states)
+    found = fewest(room, states)
     frames, values = track.frames.copy(), track.values.copy()
-    refit(room, frames, values, False, False, sweeps, 0.0)
-    count = prune(room, frames, values, sweeps)
+    if len(found) < len(frames):
+        frames = found // step.choices
+        values = states[frames, found % step.choices]
+    refit(room, frames, values, False, False, step.sweeps, 0.0)
+    count = prune(room, frames, values, step.sweeps)
     return Track(frames[:count].copy(), values[:count].copy())
