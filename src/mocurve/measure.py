@@ -13,6 +13,7 @@ from . import kinematics
 from .errors import Mismatch, OptionError
 from .info import unit_of
 from .keyed import KeyedMotion
+from .measure_noise import Noise
 from .motion import Clip, Motion
 from .skeleton import AXES, Skeleton
 
@@ -60,6 +61,7 @@ class Report:
     lower_bound:      proven fewest keys at the tolerance; seconds: what the reduction took; None where not known.
     clips:            the two that were compared, for the pictures of `save`; not part of the JSON.
     tolerance, method, align, quality: how the second clip was made; None where not known.
+    noise:            what denoising found in the clip; None where nobody looked.
     """
 
     keys: int
@@ -82,6 +84,7 @@ class Report:
     quality: str | None = None
     channels: tuple[ChannelError, ...] = ()
     joints: tuple[JointError, ...] = ()
+    noise: Noise | None = None
     clips: tuple[Clip, Clip] | None = field(default=None, repr=False, compare=False)
 
     @property
@@ -107,7 +110,8 @@ class Report:
     def to_json(self) -> dict[str, Any]:
         """Plain dict for json.dumps; `Report.from_json` reads it back."""
         rows = {name: [asdict(row) for row in getattr(self, name)] for name in ("channels", "joints")}
-        plain = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in (*rows, "clips")}
+        plain = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in (*rows, "noise", "clips")}
+        plain["noise"] = None if self.noise is None else self.noise.to_json()
         return {**plain, "ratio": self.ratio, "over_bound": self.over_bound, **rows}
 
     @classmethod
@@ -116,6 +120,8 @@ class Report:
         known = {f.name: data[f.name] for f in fields(cls) if f.name in data}
         known["channels"] = tuple(ChannelError(**row) for row in known.get("channels", ()))
         known["joints"] = tuple(JointError(**row) for row in known.get("joints", ()))
+        if known.get("noise") is not None:
+            known["noise"] = Noise.from_json(known["noise"])
         return cls(**known)
 
     def save(self, path: str | PathLike[str], *, sweep: bool = True) -> None:
@@ -274,8 +280,10 @@ def _channel_rows(skeleton: Skeleton, keys: np.ndarray, off: np.ndarray) -> tupl
 
 def _with_making(report: Report, b: Clip) -> Report:
     """How `b` was made is taken over from the report that it carries, or else from its history."""
-    told = b.report if isinstance(b, KeyedMotion) else None
-    if told is None:
+    told = getattr(b, "report", None)
+    if told is not None and told.noise is not None:
+        report = replace(report, noise=told.noise)
+    if not isinstance(b, KeyedMotion) or told is None:
         step = b.history[-1] if b.history and b.history[-1].get("verb") == "reduce" else {}
         texts = step.get("tolerance")
         made = {name: step[name] for name in ("method", "align", "quality") if isinstance(step.get(name), str)}

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
 from . import rotation
 from .errors import Mismatch, OptionError
 from .skeleton import Skeleton, frozen
+
+if TYPE_CHECKING:
+    from .measure import Report
 
 History = tuple[dict[str, Any], ...]
 
@@ -49,12 +52,14 @@ class Motion:
     values:     (F, C) degrees and file length units, channels in file order; read-only, stored channel after channel.
     frame_time: seconds from one frame to the next.
     history:    the steps that made it, as a recipe can run them again.
+    report:     what the denoising that made it measured; None for samples that came otherwise.
     """
 
     skeleton: Skeleton
     values: np.ndarray
     frame_time: float
     history: History = ()
+    report: Report | None = None
 
     def __post_init__(self) -> None:
         values = np.asfortranarray(self.values, np.float64)
@@ -74,7 +79,7 @@ class Motion:
         """Some of the frames: motion[100:200] keeps frames 100 to 199."""
         if not isinstance(span, slice) or span.step not in (None, 1):
             raise OptionError("frames are cut with a plain slice, motion[first:last]")
-        return replace(self, values=self.values[span].copy(order="F"))
+        return replace(self, values=self.values[span].copy(order="F"), report=None)
 
     @property
     def frames(self) -> int:
@@ -96,7 +101,7 @@ class Motion:
         values = np.empty((len(times), smooth.shape[1]), order="F")
         for channel in range(smooth.shape[1]):
             values[:, channel] = np.interp(times, mine, smooth[:, channel])
-        return replace(self, values=values, frame_time=step)
+        return replace(self, values=values, frame_time=step, report=None)
 
 
 def unroll(motion: Motion, *, triples: bool = True) -> Motion:
