@@ -151,8 +151,8 @@ def _noise(curve: Any) -> None:
 EDITS = {"move": _move, "kind": _kind, "lengthen": _lengthen, "remove": _remove, "noise": _noise}
 
 
-def imported(job: dict[str, Any]) -> dict[str, Any]:
-    """A file of another format, through Blender's own importer."""
+def read_in(job: dict[str, Any]) -> Any:
+    """The armature that Blender's own importer makes of a file of another format."""
     fresh()
     bpy.context.scene.render.fps, bpy.context.scene.render.fps_base = job["fps"]
     kind, path = job["format"], job["file"]
@@ -162,18 +162,22 @@ def imported(job: dict[str, Any]) -> dict[str, Any]:
         bpy.ops.import_scene.fbx(filepath=path, anim_offset=0.0)
     else:
         bpy.ops.import_scene.gltf(filepath=path)
-    rig = only_armature()
+    return only_armature()
+
+
+def imported(job: dict[str, Any]) -> dict[str, Any]:
+    """A file of another format as Blender shows it."""
+    rig = read_in(job)
     world = np.array(rig.matrix_world)[:3, :3]
     scale = float(np.cbrt(np.linalg.det(world)))
     axes = (world / scale).T @ TO_Z_UP  # clip to armature
-    first = 1.0 if kind == "bvh" else 0.0  # that importer knows no frame 0
+    first = 1.0 if job["format"] == "bvh" else 0.0  # that importer knows no frame 0
     return compared(rig, job, axes, job["metres"] / scale, first)
 
 
 def existing(job: dict[str, Any]) -> dict[str, Any]:
     """The clip on an armature that an importer made, and that was scaled; then an edit of its root."""
-    answer = imported({**job, "fps": [30, 1.0], "metres": 1.0, "reference": job["reference"]})
-    rig = only_armature()
+    rig = read_in({**job, "fps": [30, 1.0]})
     for other in bpy.context.selected_objects:
         other.select_set(False)
     rig.select_set(True)
@@ -189,14 +193,16 @@ def existing(job: dict[str, Any]) -> dict[str, Any]:
     action = rig.animation_data.action
     bag = action.layers[0].strips[0].channelbag(rig.animation_data.action_slot)
     root = job["bones"][0]
-    for name, index in (("rotation_quaternion", 1), ("location", 0)):
-        _move(bag.fcurves.find(f'pose.bones["{root}"].{name}', index=index), 1, 0.0, 0.125)
+    mode = rig.pose.bones[root].rotation_mode
+    turning = "rotation_quaternion" if mode == "QUATERNION" else "rotation_euler"
+    for name, index in ((turning, 1), ("location", 0)):
+        _move(bag.fcurves.find(f'pose.bones["{root}"].{name}', index=index), -1, 0.0, 0.125)
     edited = job["script"] + ".edited.curves.json"
     code["export"](edited, rig.name, action.name)
     turns, places = poses(rig, job["bones"], np.arange(0.0, bpy.context.scene.frame_end + 1))
     shown = job["script"] + ".shown.npz"
     np.savez(shown, turns=np.einsum("ba,fjbc,cd->fjad", TO_Z_UP, turns, TO_Z_UP), places=places @ TO_Z_UP / size)
-    return {**answer, "actions": len(bpy.data.actions), "out": out, "edited": edited, "shown": shown}
+    return {**answer, "actions": len(bpy.data.actions), "out": out, "edited": edited, "shown": shown, "mode": mode}
 
 
 def main() -> None:

@@ -206,7 +206,7 @@ def test_keys_come_back_from_another_armature_to_the_last_bit(rigged, rig):
 
 @pytest.mark.parametrize("rig", RIGS)
 def test_an_edit_on_another_armature_comes_back_as_blender_shows_it(rigged, rig):
-    """A turned hip and a moved root: as samples, since angles are no sums of a quaternion's curves."""
+    """A turned and moved root: where it turns by a quaternion, a key a frame, for angles are no sums of its curves."""
     answer = rigged[rig]
     back = mc.read(answer["edited"])
     said = say(back.sample(), Path(answer["edited"]).with_suffix(".npz"), step=1.0)
@@ -216,4 +216,4 @@ def test_an_edit_on_another_armature_comes_back_as_blender_shows_it(rigged, rig)
     assert np.abs(seen["places"] - shown["places"]).max() < LIMIT
     before = mc.read(answer["script"])
     changed = [a.values.tobytes() != b.values.tobytes() for a, b in zip(before.curves, back.curves, strict=True)]
-    assert sum(changed) == 6
+    assert sum(changed) == (6 if answer["mode"] == "QUATERNION" else 2)

@@ -34,7 +34,8 @@ def run(blender: str, folder: Path, jobs: list[dict]) -> list[dict]:
     done = subprocess.run([blender, SCRIPT, folder / "jobs.json"], capture_output=True, text=True, check=False)
     assert not done.returncode, done.stderr
     answers = json.loads((folder / "jobs.answers.json").read_text("utf-8"))
-    assert not [answer["error"] for answer in answers if "error" in answer]
+    errors = [answer["error"] for answer in answers if "error" in answer]
+    assert not errors
     return answers
 
 
