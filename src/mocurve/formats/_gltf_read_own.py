@@ -65,7 +65,8 @@ def _written(nodes: Tree, animation: Animation, said: dict[str, Any], timing: di
     body = _skeleton(document, nodes, joints, said)
     scale = _above_0(document, said.get("scale"), f"{_SKIN}.scale")
     count = document.whole(timing.get("frames"), f"{_CLIP}.frames", 1, 1 << 53)
-    frames = Frames(_above_0(document, timing.get("frame_time"), f"{_CLIP}.frame_time"), count)
+    frame_time = _above_0(document, timing.get("frame_time"), f"{_CLIP}.frame_time")
+    frames = Frames(frame_time, count, at_keys=False)  # the writer has moved the values to where float32 has the keys
     start = document.numbers(timing.get("start"), f"{_CLIP}.start", body.channel_count)
     history = tuple(document.objects(timing.get("history"), f"{_CLIP}.history"))
     return _Written(joints, body, scale, frames, np.array(start), history)

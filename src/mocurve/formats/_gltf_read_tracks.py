@@ -33,11 +33,15 @@ class Animation(NamedTuple):
 
 
 class Frames(NamedTuple):
-    """Where the frames lie in time: `total` of them, `frame_time` seconds apart, the first at second `first`."""
+    """Where the frames lie in time: `total` of them, `frame_time` seconds apart, the first at second `first`.
+
+    at_keys: keys that all but lie at a frame, as far as float32 can say, are meant for it.
+    """
 
     frame_time: float
     total: int
     first: float = 0.0
+    at_keys: bool = True
 
 
 def animation(document: Document, name: str | None) -> Animation:
@@ -156,6 +160,8 @@ def _played(animation: Animation, track: Track, path: str, frames: Frames) -> np
 def _in_frames(times: np.ndarray, frames: Frames) -> np.ndarray:
     """Key times counted in frames; whole where they all but are, so that a frame gets what its key says."""
     exact = (times - frames.first) / frames.frame_time
+    if not frames.at_keys:
+        return exact
     whole = np.rint(exact)
     slack = _NEAR + 4.0 * 2.0**-24 * np.abs(times) / frames.frame_time
     near = np.where(np.abs(exact - whole) < slack, whole, exact)
