@@ -44,6 +44,21 @@ def test_steep_and_flat_slopes_come_back(tmp_path):
         assert np.allclose(found.slopes, slopes, rtol=1e-12, atol=0)
 
 
+@pytest.mark.parametrize(
+    ("kind", "before", "after", "direction"),
+    [("Xrotation", 61.638, 109.592, (0.28620, 0.95817)), ("Zposition", 8.968, 16.708, (0.032283, 0.99948))],
+)
+def test_tangents_are_the_directions_that_maya_saves(tmp_path, kind, before, after, direction):
+    """Maya's own automatic tangents in a scene of 24 fps that it saved: as steep as the line through the keys on both
+    sides, 6 frames apart; the one in centimetres was limited, to 7.74 in 6 frames."""
+    slope = (after - before) / 6 * 24
+    body = mc.Skeleton(("a",), [-1], [[1, 0, 0]], ((kind,),), unit=0.01)
+    curve = mc.HermiteCurve(np.array([43, 46, 49]) / 24, [before, 70.0, after], [0.0, slope, 0.0])
+    mc.write(tmp_path / "a.ma", mc.KeyedMotion(body, (curve,), 1 / 24, 50))
+    (node,) = (node for node in maya_scenes.read(tmp_path / "a.ma").nodes.values() if node[0].startswith("animCurve"))
+    assert [float(node[2][f".ko{axis}"][1]) for axis in "xy"] == pytest.approx(direction, rel=1e-4)
+
+
 @pytest.mark.parametrize("unit", [0.01, 1.0, 0.0254])
 def test_the_scene_evaluates_to_the_clip_in_centimetres(tmp_path, unit):
     for clip in (chains.keys(unit=unit), chains.samples(unit=unit)):
