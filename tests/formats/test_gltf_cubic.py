@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 import mocurve as mc
 from mocurve import kinematics, rotation
+from mocurve.formats._gltf_buffer import key_times
 
 R3, P3 = ("Zrotation", "Xrotation", "Yrotation"), ("Xposition", "Yposition", "Zposition")
 BODY = mc.Skeleton(("A", "B", "C"), [-1, 0, 1], np.eye(3), ((*P3, *R3), R3[:2], ()), [False, False, True], 1.0)
@@ -78,6 +79,7 @@ FRAMES = np.arange(31 * 4 - 3) * STEP / 4
             "A.Zposition": curve([0.25, 0.9], [0, -3], [10, -5]),
         },
         "many turns": {"A.Zrotation": curve([0, 1], [0, 3600]), "B.Xrotation": curve([0, 1], [0, -720], [700, 700])},
+        "turns that samples do not see": {"A.Zrotation": curve([0, 1], [0, 5760], [5760, 5760])},
         "broken tangents": {
             "A.Zrotation": curve([0, 0.5, 1], [0, 90, 0], [90, -400, 0], [0, 300, 200]),
             "A.Yrotation": curve([0, 0.2, 1], [0, 30, 0], [0, 0, 10], [0, 200, 0]),
@@ -129,11 +131,50 @@ def test_key_times_that_differ_by_rounding_are_one_key(tmp_path):
 
 
 @pytest.mark.parametrize("width", [1e-9, 1e-6, 1e-3])
-def test_a_step_stays_a_step(tmp_path, width):
-    step = curve([0, 0.5, 0.5 + width, 1], [10, 10, 200, 200])
-    away = FRAMES[np.abs(FRAMES - 0.5) > 2 * width + 1e-6]
+@pytest.mark.parametrize("steep", [False, True])
+@pytest.mark.parametrize("start", [0.5, 0.1, 0.7])
+def test_a_step_stays_a_step(tmp_path, width, steep, start):
+    slopes = [0, 190 / width, 0, 0] if steep else [0] * 4
+    arriving = [0, 0, 190 / width, 0] if steep else [0] * 4
+    step = curve([0, start, start + width, 1], [10, 10, 200, 200], slopes, arriving)
+    away = FRAMES[np.abs(FRAMES - start) > 2 * width + 1e-6]
     degrees, _ = off(tmp_path / "a.glb", keyed({"A.Zrotation": step, "A.Xrotation": curve([0, 1], [0, 9])}), away)
     assert degrees < 2e-3
+
+
+def test_a_broken_tangent_is_met_at_its_frame_however_late(tmp_path):
+    corners = curve(np.arange(90, 110) + STEP, np.arange(20) % 2 * 5.0, 3000.0 * np.cos(np.arange(20)), np.zeros(20))
+    degrees, _ = off(tmp_path / "a.glb", keyed({"A.Zrotation": corners}, 3331), np.arange(91, 109) + STEP)
+    assert degrees < 1e-4
+
+
+def test_joints_on_long_levers_are_held_closer_so_that_none_is_further_off_in_space(tmp_path):
+    names = [f"J{joint}" for joint in range(5)]
+    arm = mc.Skeleton(names, np.arange(5) - 1, np.tile([0.0, 300, 0], (5, 1)), [R3] * 5, unit=0.001)
+    random = np.random.default_rng(4)
+    curves = [curve(np.arange(5) / 4, *random.normal(size=(2, 5)) * 60) for _ in arm.channel_names]
+    keys = mc.KeyedMotion(arm, curves, STEP, 31)
+    mc.write(tmp_path / "a.glb", keys, profile="cubic")
+    file = Glb(tmp_path / "a.glb").animation()
+    halves = keys.sample(STEP / 2)
+    seen = np.stack([play(file[name, "rotation"], np.arange(61) * STEP / 2) for name in names], axis=1)
+    meant = kinematics.world(halves)
+    off = np.linalg.norm(kinematics.world(kinematics.with_rotations(halves, seen)) - meant, axis=2)
+    assert 1e-4 < off.max() < 1e-3
+
+
+def test_a_single_frame_has_a_key_without_tangents(tmp_path):
+    mc.write(tmp_path / "a.glb", keyed({"A.Zrotation": curve([0, 1], [20, 30], [5, 5])}, 1), profile="cubic")
+    keys = Glb(tmp_path / "a.glb").animation()["A", "rotation"]
+    assert (keys.interpolation, keys.times.tolist()) == ("LINEAR", [0])
+
+
+def test_key_times_rise_from_0_also_where_32_bits_cannot_tell_them_apart():
+    times = key_times(np.array([-0.0, 1e-9, 20.0, 20.0 + 1e-9, 20.0 + 2e-9]), STEP)
+    assert times.dtype == np.float32
+    assert times[0] == 0
+    assert (np.diff(times) > 0).all()
+    assert times[2:] == pytest.approx(20, abs=1e-5)
 
 
 def test_long_clips_lose_nothing_to_the_rounding_of_their_times(tmp_path):

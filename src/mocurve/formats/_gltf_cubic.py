@@ -135,12 +135,14 @@ def _rounded(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Times as the file can have them, and as in `_at` what the curves are there.
 
-    A key of a broken tangent or a step stays on its own side: moved back it goes on as it leaves, moved on as it came.
+    A key moved back goes on as it leaves, one moved on as it came: so the value at the true time is what it was. Beside
+    a step, whose stretch is shorter than any frame, it is the other way round.
     """
     near = key_times(times, frame_time).astype(np.float64)
     values, arriving, leaving = _at(curves, times)
-    moved = (near - times)[:, None]
-    return near, values + moved * np.where(moved > 0, arriving, leaving), arriving, leaving
+    step = np.diff(times) < 0.1 * frame_time
+    came = np.where(near > times, np.append(True, ~step), np.append(step, False))[:, None]
+    return near, values + (near - times)[:, None] * np.where(came, arriving, leaving), arriving, leaving
 
 
 def _still(value: float) -> HermiteCurve:
