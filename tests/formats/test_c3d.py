@@ -186,6 +186,15 @@ def test_two_counts_of_frames_are_told(path):
         assert mc.read(path).frames == 3
 
 
+def test_markers_without_gaps_are_reduced_within_the_tolerance(clips):
+    motion = mc.read(clips / "other" / "walking_optitrack.c3d")[:300]
+    assert np.isfinite(motion.values).all()
+    keys = mc.reduce(motion, tolerance="2mm")
+    away = np.linalg.norm((keys.sample().values - motion.values).reshape(300, 12, 3), axis=2)
+    assert away.max() <= 2.0
+    assert keys.keys < motion.values.size / 5
+
+
 def test_c3d_is_not_written(path, small):
     with pytest.raises(mc.FileError, match=r"C3D files are only read; \.csv keeps markers and their gaps"):
         mc.write(path, small)
