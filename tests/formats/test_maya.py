@@ -147,6 +147,15 @@ def test_numbers_that_are_none_are_refused_and_leave_nothing(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize(("value", "slope", "offset"), [(1e308, 0, 1), (0, -1e308, 1), (0, 0, 1e308)])
+def test_what_is_too_long_in_centimetres_is_refused_and_leaves_nothing(tmp_path, value, slope, offset):
+    body = mc.Skeleton(("a",), [-1], [[offset, 0, 0]], (("Xposition",),), unit=1.0)
+    clip = mc.KeyedMotion(body, (mc.HermiteCurve([0.0], [value], [slope]),), 0.1, 1)
+    with pytest.raises(mc.Mismatch, match=r"1e\+308 times 100 is more than a number can hold"):
+        mc.write(tmp_path / "a.ma", clip)
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_huge_values_stay(tmp_path):
     values = np.array([[1e300, -1e-300]])
     body = mc.Skeleton(("a",), [-1], [[1, 0, 0]], (("Xposition", "Xrotation"),), unit=0.01)

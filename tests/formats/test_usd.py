@@ -186,6 +186,18 @@ def test_numbers_that_are_none_and_half_characters_are_refused(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_what_is_too_large_is_refused_and_leaves_nothing(tmp_path):
+    body = mc.Skeleton(("a", "b"), [-1, 0], [[1, 0, 0]] * 2, (("Xposition",), ()), unit=0.01)
+    steep = mc.KeyedMotion(body, (mc.HermiteCurve([0, 50], [0, 0], [1e308, 0]),), 50.0, 2)
+    with pytest.raises(mc.Mismatch, match=r"1e\+308 times 50 is more than a number can hold"):
+        mc.write(tmp_path / "a.usda", steep)
+    far = mc.Skeleton(("a", "b"), [-1, 0], [[1.5e308, 0, 0]] * 2, ((), ()), unit=0.01)
+    for clip, words in ((mc.Motion(body, [[1e300]], 0.1), r"1e\+300"), (mc.Motion(far, [[]], 0.1), r"1\.5e\+308")):
+        with pytest.raises(mc.Mismatch, match=f"^{words} is more than the single precision of UsdSkel can hold"):
+            mc.write(tmp_path / "a.usda", clip, profile="skel")
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_huge_values_stay(tmp_path, usd):
     body = mc.Skeleton(("a",), [-1], [[1, 0, 0]], (("Xposition",),), unit=0.01)
     mc.write(tmp_path / "a.usda", mc.Motion(body, [[1e300]], 0.1))

@@ -162,6 +162,24 @@ def _renamed(names: Sequence[str], wanted: list[str], program: str, reserved: Co
     return result
 
 
+def single(values: np.ndarray, program: str) -> np.ndarray:
+    """The values in single precision; Mismatch where one is more than that can hold."""
+    with np.errstate(over="ignore"):
+        short = values.astype(np.float32)
+    if not np.isfinite(short).all():
+        raise Mismatch(f"{values[~np.isfinite(short)][0]:g} is more than the single precision of {program} can hold")
+    return short
+
+
+def scaled(values: np.ndarray, factor: float) -> np.ndarray:
+    """The values times a factor; Mismatch where that is more than a number can hold."""
+    with np.errstate(over="ignore"):
+        product = factor * values
+    if not np.isfinite(product).all():
+        raise Mismatch(f"{values[~np.isfinite(product)][0]:g} times {factor:g} is more than a number can hold")
+    return product
+
+
 def frame_numbers(times: np.ndarray, frame_time: float) -> np.ndarray:
     """Times in frames; whole numbers where they are frames but for rounding."""
     frames = times / frame_time

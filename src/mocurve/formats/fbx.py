@@ -19,13 +19,14 @@ from ..motion import Clip, Motion
 from ..skeleton import AXES
 from ._fbx_nodes import CREATION_TIME, FILE_ID, VERSION, Node, Value, document, object_name
 from ._files import Path, encoded, replacing
-from ._rig import Curve, Joint, Rig, different, rig, stem
+from ._rig import Curve, Joint, Rig, different, rig, single, stem
 
 PROFILES = {
     "baked": "a key at every frame, straight lines between: the same in every program",
     "keys": "a reduced clip's curves, for Maya and MotionBuilder; Blender and three.js drop their tangents",
 }
 
+_FBX = "FBX"  # in messages
 SECOND = 46186158000  # KTime
 ORDERS = ("XYZ", "XZY", "YZX", "YXZ", "ZXY", "ZYX")  # FBX's numbers for them; the axis that turns first stands first
 _RATES = {120: 1, 100: 2, 60: 3, 50: 4, 48: 5, 30: 6, 25: 10, 24: 11, 1000: 12, 96: 15, 72: 16}
@@ -78,7 +79,7 @@ def write(path: Path, clip: Clip, profile: str = "baked") -> None:
     """
     if profile == "keys" and not isinstance(clip, KeyedMotion):
         raise OptionError(f"the profile keys of .fbx holds keys, a {type(clip).__name__} has none: reduce it first")
-    names = different(clip.skeleton.names, "FBX")
+    names = different(clip.skeleton.names, _FBX)
     encoded("".join(names), path)
     body = rig(clip, names, sampled=profile == "baked")
     if profile == "baked" and isinstance(clip, KeyedMotion) and clip.keys:
@@ -158,7 +159,7 @@ def _animation(scene: _Scene, body: Rig, models: list[np.int64], title: str) -> 
                 if curve is None and body.keyed:
                     continue
                 curve = curve or _still(value, joint)
-                coarse = max(coarse, float(np.abs(_single(curve.values) - curve.values).max()))
+                coarse = max(coarse, float(np.abs(single(curve.values, _FBX) - curve.values).max()))
                 scene.link(scene.add("AnimationCurve", "", "AnimCurve", "", *_curve(curve, value)), node, name)
     if coarse > _FLOAT32_OFF:
         warnings.warn(
@@ -179,7 +180,7 @@ def _curve(curve: Curve, rest: float) -> Iterator[Node]:
     yield Node("Default", (rest,))
     yield Node("KeyVer", (4008,))
     yield Node("KeyTime", (times,))
-    yield Node("KeyValueFloat", (_single(curve.values),))
+    yield Node("KeyValueFloat", (single(curve.values, _FBX),))
     flags, data = _attributes(curve)
     yield Node("KeyAttrFlags", (flags,))
     yield Node("KeyAttrDataFloat", (data.reshape(-1),))
@@ -196,8 +197,8 @@ def _attributes(curve: Curve) -> tuple[np.ndarray, np.ndarray]:
     broken = curve.slopes != curve.in_slopes
     flags = np.where(broken, _CUBIC | _USER | _BREAK, _CUBIC | _USER).astype(np.int32)
     data = np.zeros((len(flags), 4), np.float32)
-    data[:, 0] = _single(curve.slopes)
-    data[:-1, 1] = _single(curve.in_slopes[1:])
+    data[:, 0] = single(curve.slopes, _FBX)
+    data[:-1, 1] = single(curve.in_slopes[1:], _FBX)
     data[:, 2] = _THIRDS
     return flags, data
 
@@ -207,14 +208,6 @@ def _ktime(seconds: np.ndarray) -> np.ndarray:
     if np.abs(ticks).max() >= 2.0**63:
         raise Mismatch(f"a time of {np.abs(seconds).max():g} s is more than FBX can hold")
     return ticks.astype(np.int64)
-
-
-def _single(values: np.ndarray) -> np.ndarray:
-    with np.errstate(over="ignore"):
-        short = values.astype(np.float32)
-    if not np.isfinite(short).all():
-        raise Mismatch(f"{values[~np.isfinite(short)][0]:g} is more than the single precision of FBX can hold")
-    return short
 
 
 # -- what stands around them ---------------------------------------------------------------------------

@@ -16,7 +16,7 @@ import numpy as np
 from ..errors import FileError
 from ..motion import Clip, Motion
 from ._files import Path, replacing
-from ._rig import Curve, Joint, Rig, frame_numbers, identifiers, rig
+from ._rig import Curve, Joint, Rig, frame_numbers, identifiers, rig, scaled
 
 ORDERS = ("xyz", "yzx", "zxy", "xzy", "yxz", "zyx")  # Maya's numbers for them; the axis that turns first stands first
 _NAMED_RATES = {15: "game", 24: "film", 25: "pal", 30: "ntsc", 48: "show", 50: "palf", 60: "ntscf"}
@@ -96,7 +96,7 @@ def _scene(body: Rig, unit: str) -> Iterator[str]:
 
 def _joint(joint: Joint, parent: str, cm: float) -> str:
     """Rest place and rotation order; no orientation of its own, and no compensation for its parent's scale."""
-    place = " ".join(repr(cm * x) for x in joint.offset)
+    place = " ".join(map(repr, scaled(np.array(joint.offset), cm).tolist()))
     title = f'createNode joint -n "{joint.name}"' + (f' -p "{parent}"' if parent else "")
     return (
         f'{title};\n\tsetAttr ".t" -type "double3" {place} ;\n'
@@ -107,7 +107,7 @@ def _joint(joint: Joint, parent: str, cm: float) -> str:
 def _curve(node: str, curve: Curve, cm: float | None, frame: float) -> str:
     """A curve node; cm: centimetres in a length unit, None for degrees. frame: seconds in a frame of Maya's."""
     count = len(curve.times)
-    values = curve.values if cm is None else cm * curve.values
+    values = curve.values if cm is None else scaled(curve.values, cm)
     keys = np.column_stack((frame_numbers(curve.times, frame), values))
     pairs = [f"{time:.17g} {value!r}" for time, value in keys.tolist()]
     lines = [
@@ -121,7 +121,7 @@ def _curve(node: str, curve: Curve, cm: float | None, frame: float) -> str:
         if broken.any():
             lines.append(_array("ktl", ["no" if b else "yes" for b in broken], count))
         for letter, slopes in (("i", curve.in_slopes), ("o", curve.slopes)):
-            away = _directions(np.radians(slopes) if cm is None else cm * slopes)
+            away = _directions(np.radians(slopes) if cm is None else scaled(slopes, cm))
             lines += [
                 _array(f"k{letter}{axis}", map(repr, column), count) for axis, column in zip("xy", away, strict=True)
             ]

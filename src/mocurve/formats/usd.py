@@ -19,7 +19,7 @@ from ..keyed import KeyedMotion
 from ..motion import Clip, Motion
 from ..skeleton import AXES, Skeleton
 from ._files import Path, encoded, replacing
-from ._rig import Curve, Joint, Rig, frame_numbers, identifier, identifiers, rig, stem
+from ._rig import Curve, Joint, Rig, frame_numbers, identifier, identifiers, rig, scaled, single, stem
 
 PROFILES = {
     "splines": "a transform for each joint, a reduced clip's curves as splines, exact (USD 25.05 and later)",
@@ -28,6 +28,7 @@ PROFILES = {
 _DEPTH = 1000  # joints below one another: paths and readers' stacks grow with it
 _INDENT = 40  # blanks at most
 _A_LINE = 8  # samples
+_SKEL = "UsdSkel"  # in messages
 
 
 def read(path: Path) -> Motion:
@@ -130,7 +131,7 @@ def _animated(name: str, curve: Curve, frame_time: float) -> Iterator[str]:
 def _knots(frames: list[str], curve: Curve, frame_time: float) -> Iterator[str]:
     """A line a knot: arriving tangent but for the first, leaving tangent but for the last."""
     widths = (np.diff(frame_numbers(curve.times, frame_time)) / 3.0).tolist()
-    arriving, leaving = ((frame_time * slopes).tolist() for slopes in (curve.in_slopes, curve.slopes))
+    arriving, leaving = (scaled(slopes, frame_time).tolist() for slopes in (curve.in_slopes, curve.slopes))
     for i, (frame, value) in enumerate(zip(frames, curve.values.tolist(), strict=True)):
         before = f"; pre ({widths[i - 1]!r}, {arriving[i]!r})" if i else ""
         after = f"; post curve ({widths[i]!r}, {leaving[i]!r})" if i < len(widths) else ""
@@ -144,7 +145,9 @@ def _skel(body: Rig, motion: Motion, prim: str, originals: Sequence[str]) -> Ite
     for i, joint in enumerate(body.joints):
         paths.append(f"{paths[joint.parent]}/{joint.name}" if joint.parent >= 0 else joint.name)
         if joint.parent >= 0:
-            places[i] += places[joint.parent]
+            with np.errstate(over="ignore"):  # is looked for below
+                places[i] += places[joint.parent]
+    single(places, _SKEL)
     joints = ", ".join(f'"{path}"' for path in paths)
     rests = [joint.offset for joint in body.joints]
     yield '    def Skeleton "skeleton" (\n        prepend apiSchemas = ["SkelBindingAPI"]\n    )\n    {\n'
@@ -161,7 +164,7 @@ def _skel(body: Rig, motion: Motion, prim: str, originals: Sequence[str]) -> Ite
     moving = ~motion.skeleton.rotation_channels
     shifts[:, motion.skeleton.channel_joints[moving], motion.skeleton.channel_axes[moving]] = motion.values[:, moving]
     yield from _samples("quatf[] rotations", turns)
-    yield from _samples("float3[] translations", shifts)
+    yield from _samples("float3[] translations", single(shifts, _SKEL))
     yield "    }\n"
 
 
