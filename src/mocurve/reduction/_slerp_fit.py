@@ -201,7 +201,7 @@ def refit(room, frames, values, hold_first, hold_last, sweeps, enough):
         if most < best:
             best = most
             kept[:] = values
-        hopeless = enough > 0.0 and sweep > 0 and best > enough * (1.2 + 4.0 / (sweep + 1.0))
+        hopeless = enough > 0.0 and sweep > 0 and best > enough * (1.1 + 0.9 / sweep)
         if best <= enough or hopeless or sweep == sweeps or not most < np.inf:
             break
         mean = 0.0

@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .. import progress
+from ..errors import OptionError
 from ..kinematics import rest_height
 from ._slerp import Room, fewest, sampled
 from ._slerp_fit import prune, refit
@@ -57,7 +58,7 @@ class Round(NamedTuple):
 
 
 # chains from edge to edge leave nothing to the other ways: they come last
-ROUNDS = (Round(0.4, 4, 2), Round(1.6, 4, 2), Round(2.4, 4, 2), Round(2.4, 4, 4))
+ROUNDS = (Round(0.4, 2, 2), Round(1.6, 3, 2), Round(2.4, 4, 2), Round(2.4, 4, 2), Round(2.4, 8, 4))
 ALONE = (Round(1.0, 6, 4), Round(1.0, 6, 4))  # of a way that shares its room with no other
 
 
@@ -78,6 +79,7 @@ def search(asked: Problem, ways: list[Way], turned: np.ndarray, placed: np.ndarr
         return done
     scene = scene_of(asked, turned, placed)
     alone = [_allowance(scene, way, 0.5 * SHELL * rest_height(asked.motion)) for way in ways]
+    _refuse_unlimited(asked, ways, [np.minimum(*both) for both in zip(alone, caps, strict=True)])
     tracks = _start(scene, ways, alone, caps)
     for number, step in enumerate(ROUNDS):
         progress.advance("keys of joints", number, len(ROUNDS))
@@ -110,6 +112,15 @@ def _allowance(scene: Scene, way: Way, floor: float) -> np.ndarray:
         arms = np.linalg.norm(scene.target[:, first:last] - scene.target[:, first - 1 : first], axis=-1)
         limits = 0.5 * limits / np.maximum(arms, floor)
     return np.repeat(limits.min(axis=1, initial=np.inf)[:, None], 4, axis=1)
+
+
+def _refuse_unlimited(asked: Problem, ways: list[Way], limits: list[np.ndarray]) -> None:
+    for way, limit in zip(ways, limits, strict=True):
+        if np.isinf(limit[:, : 1 if way.turns else 3]).any() and (way.states != way.states[:1]).any():
+            name = asked.motion.skeleton.names[way.joint]
+            raise OptionError(
+                f"nothing hangs on joint {name!r}, so this tolerance leaves it free; add one like '0.5deg'"
+            )
 
 
 def _start(scene: Scene, ways: list[Way], alone: list[np.ndarray], caps: list[np.ndarray]) -> list[Track]:
