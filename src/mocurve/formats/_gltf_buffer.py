@@ -68,8 +68,7 @@ def key_times(times: np.ndarray, frame_time: float) -> np.ndarray:
 
     Two keys that stand nearer than that, as a step has them, come to stand on neighbouring numbers.
     """
-    positive = float32(times + 0.0, "key times")  # no -0: the bits of the others rise as they do
-    bits = positive.view(np.int32).astype(np.int64)
+    bits = float32(times, "key times").view(np.int32).astype(np.int64)  # of floats from 0: they rise as these do
     order = np.arange(len(bits))
     rising = (np.maximum.accumulate(bits - order) + order).astype(np.int32).view(np.float32)
     if np.abs(rising - times).max(initial=0.0) > 0.25 * frame_time:

@@ -23,7 +23,6 @@ MOST_DEGREES = 1e-3  # off the curves, of a joint's own rotation; players are wi
 MOST_LENGTH = 8e-4  # off the curves in the world, file units; players are within 1e-3
 LEAST_DEGREES = 2e-5  # float32 quaternions are hardly better
 MOST_SLACK = 16.0  # joints seldom err together: times the part of MOST_LENGTH that is safe for each
-MOST_TURN = 120.0  # degrees that the angles of a joint move between two keys: more would hide from the samples
 SHORTEST = 0.124  # frames: no key is added within less than twice that
 SAMPLES = np.arange(1, 8) / 8.0  # of a stretch between two keys
 
@@ -183,13 +182,11 @@ def _wide(
     """(S,) whether the stretches, in none of which a curve has a key, need a key more."""
     (first, _, leaving), (last, arriving, _) = _at(curves, starts), _at(curves, stops)
     h = (stops - starts)[:, None]
-    handles = np.stack([leaving, (3.0 * (last - first) / h - leaving - arriving), arriving]) * h / 3.0
-    far = np.abs(handles).sum(axis=(0, 2)) > MOST_TURN  # the length of the control polygon, no shorter than the way
     q0, rate0 = _turned(first, leaving[None], order)
     q1, rate1 = _turned(last, arriving[None], order)
     meant = rotation.from_euler(_between(first, last, leaving, arriving, h), order)
     seen = _of_length_1(_between(q0, q1, rate0[0], rate1[0], h))
-    return far | ~(rotation.angle(meant, seen).max(axis=1) <= limit)
+    return ~(rotation.angle(meant, seen).max(axis=1) <= limit)  # also where there is no number
 
 
 def _between(v0: np.ndarray, v1: np.ndarray, m0: np.ndarray, m1: np.ndarray, h: np.ndarray) -> np.ndarray:
