@@ -181,6 +181,7 @@ def test_markers_of_a_c3d_file_come_back(clips, tmp_path):
         ("2,3,4,5,6\n", "2,3,4,5,6"),
         ("nan", "NaN", "1.5", "+.15e1"),
         ("nan", ""),
+        ("nan", " \t "),
     ],
 )
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
@@ -230,6 +231,7 @@ def test_too_few_rows_to_tell_a_frame_time_are_told(table, rows):
         (("1.5", '"1,5"'), "a.csv:3: column 2 (A.X): a number with a decimal point, not a comma, expected"),
         (("1.5", "1,5"), "a.csv:3: 7 cells expected, 8 found; numbers have decimal points, not commas"),
         (("1.5,", ""), "a.csv:3: 7 cells expected, 6 found"),
+        (("1.5,", '"1.5,'), "a.csv:3: no row of a table: unexpected end of data"),
         ((",", ";", "1.5", "1,5"), "column 2 (A.X): a number with a decimal point, not a comma, expected, '1,5' found"),
         (("0.01", ""), "a.csv:3: column 1 (time): a time expected, the cell is empty"),
         (("0.01", "0.00"), "a.csv:3: column 1 (time): 0 s, 0 s after the row before, where 0.01 s are usual"),

@@ -13,8 +13,8 @@ from ..errors import FileError
 from ._files import Path
 from ._frame_time import USUAL
 
-_NUMBER = re.compile(r"\s*[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?\s*")
-_GAP = re.compile(r"\s*(?:[+-]?nan)?\s*", re.IGNORECASE)
+_NUMBER = re.compile(r"[ \t]*[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?[ \t]*")
+_GAP = re.compile(r"[ \t]*(?:[+-]?nan)?[ \t]*", re.IGNORECASE)
 _LOOKED_AT = 50  # rows, to see how many decimals the times have
 _NEAR_WHOLE = 0.01  # frames a second
 _UNEVEN = 1e-6  # of a frame, besides the decimals of the times
@@ -34,8 +34,8 @@ class Rows:
         lines = [line for _, line in self.numbered]
         values = self._table(lines)
         if values is None:  # perhaps for empty cells
-            edge = f"[^{re.escape(self.separator)}]"
-            empty = re.compile(f"(?<!{edge}) *(?!{edge})")
+            edge, blank = f"[^{self.separator}]", " " if self.separator == "\t" else "[ \t]"
+            empty = re.compile(f"(?<!{edge}){blank}*(?!{edge})")
             values = self._table([empty.sub("nan", line) for line in lines])
         return self._refuse() if values is None else values
 
@@ -78,7 +78,7 @@ class Rows:
     def _cells(self, row: int) -> list[str]:
         number, line = self.numbered[row]
         try:
-            return next(csv.reader([line], delimiter=self.separator))
+            return next(csv.reader([line], delimiter=self.separator, strict=True))
         except csv.Error as error:
             raise FileError(f"no row of a table: {error}", self.path, number) from error
 
