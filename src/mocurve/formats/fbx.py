@@ -93,9 +93,9 @@ def write(path: Path, clip: Clip, profile: str = "baked") -> None:
 def _file(body: Rig, title: str) -> list[Node]:
     scene = _Scene([], [], itertools.count(1_000_000))
     models = _skeleton(scene, body)
-    if any(joint.curves for joint in body.joints):
+    moving = title if any(joint.curves for joint in body.joints) else ""
+    if moving:
         _animation(scene, body, models, title)
-    moving = title if len(scene.objects) > 2 * len(models) else ""
     return [
         _header(),
         Node("FileId", (FILE_ID,)),
@@ -146,25 +146,28 @@ def _animation(scene: _Scene, body: Rig, models: list[np.int64], title: str) -> 
     stack = scene.add("AnimationStack", title, "AnimStack", "", spans)
     layer = scene.add("AnimationLayer", "BaseLayer", "AnimLayer", "")
     scene.link(layer, stack)
-    coarse = 0.0
     for joint, model in zip(body.joints, models, strict=True):
         for kind in joint.moves:
-            rest = [(f"d|{axis}", value) for axis, value in zip(AXES, joint.rest(kind), strict=True)]
-            letter, where = ("T", "Lcl Translation") if kind == "position" else ("R", "Lcl Rotation")
-            node = scene.add("AnimationCurveNode", letter, "AnimCurveNode", "", _properties(*rest))
+            node = _curve_node(scene, joint, kind, body.keyed)
             scene.link(node, layer)
-            scene.link(node, model, where)
-            for axis, (name, value) in zip(AXES, rest, strict=True):
-                curve = joint.curves.get(axis + kind)
-                if curve is None and body.keyed:
-                    continue
-                curve = curve or _still(value, joint)
-                coarse = max(coarse, float(np.abs(single(curve.values, _FBX) - curve.values).max()))
-                scene.link(scene.add("AnimationCurve", "", "AnimCurve", "", *_curve(curve, value)), node, name)
-    if coarse > _FLOAT32_OFF:
-        warnings.warn(
-            f"FBX keeps single precision: values are off by up to {coarse:.2g} degrees or units", stacklevel=5
-        )
+            scene.link(node, model, "Lcl Translation" if kind == "position" else "Lcl Rotation")
+    off = max(float(np.abs(single(c.values, _FBX) - c.values).max()) for j in body.joints for c in j.curves.values())
+    if off > _FLOAT32_OFF:
+        warnings.warn(f"FBX keeps single precision: values are off by up to {off:.2g} degrees or units", stacklevel=5)
+
+
+def _curve_node(scene: _Scene, joint: Joint, kind: str, keyed: bool) -> np.int64:
+    """The curves of a joint's positions or rotations, and what stands between them and the joint."""
+    rest = [(f"d|{axis}", value) for axis, value in zip(AXES, joint.rest(kind), strict=True)]
+    letter = "T" if kind == "position" else "R"
+    node = scene.add("AnimationCurveNode", letter, "AnimCurveNode", "", _properties(*rest))
+    for axis, (name, value) in zip(AXES, rest, strict=True):
+        curve = joint.curves.get(axis + kind)
+        if curve is None and not keyed:
+            curve = _still(value, joint)
+        if curve is not None:
+            scene.link(scene.add("AnimationCurve", "", "AnimCurve", "", *_curve(curve, value)), node, name)
+    return node
 
 
 def _still(value: float, joint: Joint) -> Curve:
