@@ -312,16 +312,24 @@ def with_json_mutated(data: bytes, rng: random.Random) -> bytes:
     return glb(mutated(data[20 : 20 + size], rng), data[20 + size + 8 :])
 
 
-@pytest.mark.parametrize("part", range(4))
-def test_files_changed_at_random_are_refused_or_read_as_a_motion(scene, path, clips, monkeypatch, part):
+@pytest.fixture(params=["small", "of ours", "foreign"])
+def source(request, scene, jump, tmp_path) -> bytes:
+    """The bytes of a GLB."""
+    if request.param == "foreign":
+        return (request.getfixturevalue("clips") / "other" / "Fox.glb").read_bytes()
+    if request.param == "small":
+        scene.glb(tmp_path / "source.glb")
+    else:
+        mc.write(tmp_path / "source.glb", mc.read(jump, unit="inch")[100:110], profile="baked")
+    return (tmp_path / "source.glb").read_bytes()
+
+
+@pytest.mark.parametrize("change", [mutated, with_json_mutated])
+def test_files_changed_at_random_are_refused_or_read_as_a_motion(source, path, monkeypatch, change):
     monkeypatch.setattr(tracks, "MAX_NUMBERS", 200_000)  # no frame rate and length that take seconds
-    scene.glb(path)
-    sources = [path.read_bytes(), (clips / "other" / "Fox.glb").read_bytes()]
     read = 0
     for seed in range(100):
-        rng = random.Random(1000 * part + seed)
-        source = sources[seed % 2]
-        path.write_bytes((mutated if part % 2 else with_json_mutated)(source, rng))
+        path.write_bytes(change(source, random.Random(seed)))
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)
             try:

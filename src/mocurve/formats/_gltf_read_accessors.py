@@ -15,20 +15,14 @@ _WIDTHS = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}
 _MOST = 1 << 53
 
 
-def length(document: Document, index: Any, place: str) -> int:
-    """How many elements an accessor says that it has."""
-    accessor = document.one("accessors", index, place)
-    return document.whole(accessor.get("count"), f"accessors[{index}].count", 1, _MOST)
-
-
 def floats(document: Document, index: Any, place: str, kind: str, count: int | None = None) -> np.ndarray:
     """An accessor as (N, width) float64, finite; normalized integers become -1..1 or 0..1.
 
     kind:  the type that is expected, "SCALAR", "VEC3", "VEC4" (which may be of normalized integers).
     count: how many elements are expected. None: as many as it says, where bytes stand behind them.
     """
-    said = length(document, index, place)
     accessor, place = document.one("accessors", index, place), f"accessors[{index}]"
+    said = document.whole(accessor.get("count"), f"{place}.count", 1, _MOST)
     if accessor.get("type") != kind:
         document.fail(f"{place}.type", f"{kind} expected, {str(accessor.get('type'))[:40]} found")
     if count is not None and said != count:
