@@ -25,6 +25,7 @@ LAYERS = [
     "keyed",
     "kinematics",
     "contacts info measure",
+    "denoising",
     "reduction",
     "formats",
     "report draw",

@@ -26,6 +26,7 @@ _HOME = {
     "KeyedMotion": "keyed",
     "read": "formats",
     "write": "formats",
+    "denoise": "denoising",
     "reduce": "reduction",
     "refine": "reduction",
     "compare": "measure",

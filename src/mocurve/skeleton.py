@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from fnmatch import fnmatchcase
 
 import numpy as np
 
@@ -112,6 +113,18 @@ class Skeleton:
         for j in range(joint, len(self.names)):
             inside[j] = j == joint or (self.parents[j] >= 0 and inside[self.parents[j]])
         return inside
+
+
+def matching(name: str, names: Sequence[str], owners: Sequence[str], kind: str) -> list[int]:
+    """Places of the names that are, or belong to, what `name` says; * stands for anything. UnknownName where none is."""
+    places = [
+        i
+        for i, (own, owner) in enumerate(zip(names, owners, strict=True))
+        if name in (own, owner) or fnmatchcase(own, name) or fnmatchcase(owner, name)
+    ]
+    if not places:
+        raise UnknownName(kind, name, (*owners, *names))
+    return places
 
 
 def _only(name: str, known: Sequence[str], kind: str) -> int:

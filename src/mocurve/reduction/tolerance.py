@@ -13,14 +13,14 @@ import re
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
-from fnmatch import fnmatchcase
 
 import numpy as np
 
-from ..errors import OptionError, UnknownName
+from ..errors import OptionError
 from ..info import unit_of
 from ..kinematics import rest_height
 from ..motion import Motion
+from ..skeleton import matching
 
 DEFAULT = "0.1%height"
 METRES = {"mm": 0.001, "cm": 0.01, "m": 1.0, "in": 0.0254, "inch": 0.0254, "ft": 0.3048}
@@ -120,14 +120,7 @@ def _channel_amount(rule: Rule, motion: Motion, channel: int) -> float:
 def _chosen(rule: Rule, names: Sequence[str], owners: Sequence[str], kind: str) -> list[int]:
     if rule.name is None:
         return list(range(len(names)))
-    places = [
-        i
-        for i, (name, owner) in enumerate(zip(names, owners, strict=True))
-        if rule.name in (name, owner) or fnmatchcase(name, rule.name) or fnmatchcase(owner, rule.name)
-    ]
-    if not places:
-        raise UnknownName(kind, rule.name, (*owners, *names))
-    return places
+    return matching(rule.name, names, owners, kind)
 
 
 def _frames(rule: Rule, motion: Motion) -> np.ndarray:

@@ -1,0 +1,175 @@
+"""Frames that are no motion: spikes, bursts, flips, dropouts. Channels (C, n), a joint's channels judged together."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import comb
+from typing import NamedTuple
+
+import numpy as np
+
+from . import _paths, _verdict
+
+ORDERS = (3, 4, 5, 6)  # differences that noise is read from: a low one still sees motion, a high one only noise
+GAP, EACH, ENTRY, CAP = 12, 1.2, 8.0, 14.0  # frames a path may skip at once, its costs, and the most a turn costs
+END = 6  # frames it may skip at an end of the clip
+TRIGGER = 4.0  # standard deviations of the second difference
+LEAST, MOST = 3, 30  # frames that repeat: a dropout
+RESTS = 2.5  # times the steps around it: what a joint that was frozen leaps at least
+HELD = 0.3  # of all frames repeat: the channel is stored coarsely, no dropout
+SHARPEST = 1e5  # degrees/s2 that no joint exceeds: kicks and impacts of people stay below
+LEAP = 250.0  # degrees/s: slower jumps are no artefacts
+LEVER = 0.5  # metres: what an angle comes to in space
+USUAL = 0.95  # part of a channel's frame steps: jumps below are no artefacts either
+AWAY = 0.3  # seconds that a curve may be away between two impossible turns
+LOCAL = 0.5  # seconds of motion that tell how curved it is here
+
+
+class Body(NamedTuple):
+    """What bodies do, in a channel's unit and frames. sharpest: (C,) second difference that no motion exceeds;
+    leap: (C,) frame step below which nothing is called an artefact."""
+
+    sharpest: np.ndarray
+    leap: np.ndarray
+
+    @classmethod
+    def of_degrees(cls, channels: int, fps: float) -> Body:
+        """For channels of angles."""
+        return cls(np.full(channels, SHARPEST / fps**2), np.full(channels, LEAP / fps))
+
+    def in_lengths(self, lengths: np.ndarray, metres: float | None) -> Body:
+        """The same where (C,) `lengths` are positions, in units of so many metres; None: bodies of unknown size."""
+        lever = np.inf if metres is None else np.radians(LEVER) / metres
+        return Body(*(np.where(lengths, angle * lever, angle) for angle in self))
+
+
+def noise_level(y: np.ndarray) -> np.ndarray:
+    """Standard deviation (C,) of white noise, robustly: the least over orders p of MAD(p-th difference)/sqrt(C(2p, p))."""
+    least = np.full(len(y), np.inf)
+    differences = y
+    for order in range(1, max(ORDERS) + 1):
+        differences = np.diff(differences, axis=1)
+        if order in ORDERS and y.shape[1] > 3 * order:
+            spread = 1.4826 * np.median(np.abs(differences), axis=1)
+            least = np.minimum(least, spread / np.sqrt(comb(2 * order, order)))
+    return np.where(np.isfinite(least), least, 0.0)
+
+
+def repeats(y: np.ndarray) -> np.ndarray:
+    """Frames (n,) in runs that repeat the frame before exactly, in every channel of the joint that moves at all."""
+    bad = np.zeros(y.shape[1], bool)
+    live = y[np.ptp(y, axis=1) > 0]
+    if not len(live):
+        return bad
+    same = np.concatenate(([False], (np.diff(live, axis=1) == 0).all(0)))
+    if same.mean() > HELD:
+        return bad
+    step = np.abs(np.diff(live, axis=1))
+    for a, b in runs(same):
+        if LEAST - 1 <= b - a <= MOST and _leaps(step, a, b):
+            bad[a:b] = True
+            bad[a - 1] |= bool((live[:, a - 1] == 0).all())  # zeroed: its first frame repeats nothing
+    return bad
+
+
+def _leaps(step: np.ndarray, a: int, b: int) -> bool:
+    """Whether a channel leaps into or out of the run that holds the value of frame a - 1 up to frame b - 1: a joint
+    that rests, or is stopped, does not."""
+    entry = step[:, a - 2] if a > 1 else np.zeros(len(step))
+    leave = step[:, b - 1] if b <= step.shape[1] else np.zeros(len(step))
+    around = np.maximum(
+        step[:, max(0, a - 4) : max(0, a - 2)].max(1, initial=0.0), step[:, b : b + 2].max(1, initial=0.0)
+    )
+    return bool((np.maximum(entry, leave) > RESTS * around + 1e-9).any())
+
+
+def runs(marked: np.ndarray) -> list[tuple[int, int]]:
+    """[(first, one after last)] of the runs of True."""
+    edges = np.diff(np.concatenate(([0], marked.astype(np.int8), [0])))
+    return list(zip(np.flatnonzero(edges == 1).tolist(), np.flatnonzero(edges == -1).tolist(), strict=True))
+
+
+def candidates(y: np.ndarray, sigma: np.ndarray, groups: Sequence[np.ndarray], body: Body, fps: float) -> np.ndarray:
+    """Frames (C, n) that the cheapest smooth path leaves out, the same for all channels of a joint. y: minus a fit."""
+    skipped = np.zeros(y.shape, bool)
+    channels, n = y.shape
+    if n < 8:
+        return skipped
+    bend = np.zeros_like(y)
+    bend[:, 1:-1] = y[:, 2:] - 2 * y[:, 1:-1] + y[:, :-2]
+    noise = np.maximum(sigma, 1e-9) ** 2
+    motion = motion_variance(bend, noise, body.sharpest[:, None], fps)
+    strange = np.abs(bend) > TRIGGER * np.sqrt(6 * noise[:, None] + motion)
+    impossible = np.abs(bend) > body.sharpest[:, None] + 6 * np.sqrt(6 * noise[:, None])
+    for group in groups:
+        hot = np.flatnonzero(strange[group].any(0))
+        if not len(hot):
+            continue
+        here, told = np.ascontiguousarray(y[group].T), np.ascontiguousarray(motion[group].T)
+        marks = np.zeros(n, bool)
+        for part in np.split(hot, np.flatnonzero(np.diff(hot) > GAP + 6) + 1):
+            first, last = max(0, part[0] - GAP - 4), min(n - 1, part[-1] + GAP + 4)
+            _paths.skip(here, noise[group], told, first, last, GAP, END, EACH, ENTRY, CAP, marks)
+        _paths.excursions(y[group], impossible[group], round(AWAY * fps), marks)
+        skipped[group] = marks
+    return skipped
+
+
+def motion_variance(bend: np.ndarray, noise: np.ndarray, sharpest: np.ndarray, fps: float) -> np.ndarray:
+    """Variance (C, n) of the second difference that is motion: the local one, at least that of the whole clip's tail."""
+    size = np.abs(bend)
+    size = np.where(size > sharpest, 0.0, size)  # no motion: it must not make others look like motion
+    local = 1.4826 * _local_median(size, max(9, round(fps * LOCAL) | 1))
+    size = size[:, 1:-1]
+    tail = np.minimum(np.quantile(size, 0.9, axis=1) / 1.645, 4 * 1.4826 * np.median(size, axis=1))[:, None]
+    return np.maximum(np.maximum(local, tail) ** 2 - 6 * noise[:, None], 1e-6 + (0.05 * tail) ** 2)
+
+
+def _local_median(a: np.ndarray, width: int) -> np.ndarray:
+    """Medians over blocks of about width frames, every half width, and straight lines between."""
+    n, half = a.shape[1], max(1, width // 2)
+    centres = np.arange(0, n, half)
+    medians = np.stack([np.median(a[:, max(0, c - half) : c + half + 1], axis=1) for c in centres], axis=1)
+    place = np.minimum(np.arange(n) / half, len(centres) - 1)
+    left = np.minimum(place.astype(int), max(len(centres) - 2, 0))
+    right = np.minimum(left + 1, len(centres) - 1)
+    return medians[:, left] + (medians[:, right] - medians[:, left]) * (place - left)
+
+
+def verified(
+    y: np.ndarray,
+    x: np.ndarray,
+    variance: np.ndarray,
+    sigma: np.ndarray,
+    candidate: np.ndarray,
+    groups: Sequence[np.ndarray],
+    body: Body,
+    turns: np.ndarray,
+) -> np.ndarray:
+    """Of the candidate frames (C, n) those that are artefacts; x, variance: fit and its variance without candidates;
+    turns (groups, n): second difference of a joint's rotation itself, below 0 where there is no such thing."""
+    out = np.zeros(y.shape, bool)
+    usual = np.quantile(np.abs(np.diff(y, axis=1)), USUAL, axis=1)
+    least = np.minimum(body.leap, usual)
+    for group, turn in zip(groups, turns, strict=True):
+        together = candidate[group].any(0)
+        if together.any():
+            marks = np.zeros((len(group), y.shape[1]), bool)
+            data = (y[group], x[group], variance[group], sigma[group])
+            _verdict.judge(*data, together, turn, body.sharpest[group], least[group], marks)
+            out[group] = marks
+    return out
+
+
+def cores(
+    off: np.ndarray, variance: np.ndarray, sigma: np.ndarray, candidate: np.ndarray, groups: Sequence[np.ndarray]
+) -> np.ndarray:
+    """The one or two frames about the largest deviation of each candidate run; the path may have left out good ones."""
+    out = np.zeros(off.shape, bool)
+    for group in groups:
+        together = candidate[group].any(0)
+        if together.any():
+            marks = np.zeros(off.shape[1], bool)
+            _verdict.core(off[group], variance[group], sigma[group], together, marks)
+            out[group] = marks
+    return out

@@ -1,0 +1,74 @@
+"""Offsets that last: a channel leaps in one frame and stays there, as where two markers are taken for each other."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+ISOLATED = 0.3  # of a leap: what the frame steps around it may be
+UNUSUAL = 4.0  # times what nearly all frame steps of the channel stay below
+OPPOSITE = 0.2  # of a leap: how much a leap back may differ
+PART = 0.4  # of a clip: what is longer is not taken for the displaced part
+FAST = 2.0  # times what is never called an artefact
+CERTAIN = 12.0  # standard deviations of noise
+
+
+class Offset(NamedTuple):
+    """Frames first ... last - 1 of a channel are off by so much."""
+
+    channel: int
+    first: int
+    last: int
+    by: float
+
+
+def offsets(y: np.ndarray, sigma: np.ndarray, sharpest: np.ndarray, leap: np.ndarray, shortest: int) -> list[Offset]:
+    """Displaced parts of the channels y (C, n), of over `shortest` frames.
+
+    sharpest (C,): a leap that no motion makes; leap (C,): one that is worth a look where it is unusual for the channel."""
+    found: list[Offset] = []
+    if y.shape[1] < 4 * shortest:
+        return found
+    step = np.diff(y, axis=1)
+    usual = np.quantile(np.abs(step), 0.98, axis=1)
+    least = np.maximum(np.minimum(sharpest, np.maximum(FAST * leap, UNUSUAL * usual)), CERTAIN * sigma)
+    for channel in np.flatnonzero((np.abs(step) > least[:, None]).any(1)):
+        leaps = _leaps(step[channel], least[channel], shortest)
+        found += [Offset(int(channel), first, last, by) for first, last, by in _displaced(leaps, y.shape[1], shortest)]
+    return found
+
+
+def _leaps(step: np.ndarray, least: float, shortest: int) -> list[tuple[int, float]]:
+    """(first frame after it, size) of every leap with no other near it: such are the ends of short artefacts."""
+    found = []
+    for t in np.flatnonzero(np.abs(step) > least):
+        around = np.concatenate((step[max(0, t - shortest - 3) : t], step[t + 1 : t + shortest + 4]))
+        slope = np.median(around)
+        size = step[t] - slope
+        if np.abs(around - slope).max(initial=0.0) <= ISOLATED * abs(size):
+            found.append((int(t) + 1, float(size)))
+    return found
+
+
+def _displaced(leaps: list[tuple[int, float]], frames: int, shortest: int) -> list[tuple[int, int, float]]:
+    """What lies between a leap and the leap back, and what lies outside one that is not taken back, if it is short."""
+    found, alone = [], []
+    while leaps:
+        (first, size), *rest = leaps
+        back = next((k for k, (_, other) in enumerate(rest) if abs(size + other) <= OPPOSITE * abs(size)), None)
+        if back is None:
+            alone.append((first, size))
+            leaps = rest
+            continue
+        last, other = rest[back]
+        if PART * frames > last - first > shortest:
+            found.append((first, last, (size - other) / 2))
+        leaps = rest[:back] + rest[back + 1 :]
+    if len(alone) == 1:
+        at, size = alone[0]
+        if at <= PART * frames:
+            found.append((0, at, -size))
+        elif frames - at <= PART * frames:
+            found.append((at, frames, size))
+    return found
