@@ -14,6 +14,7 @@ from .errors import Mismatch, OptionError
 from .info import unit_of
 from .keyed import KeyedMotion
 from .measure_noise import Noise
+from .measure_text import table
 from .motion import Clip, Motion
 from .skeleton import AXES, Skeleton
 
@@ -105,7 +106,8 @@ class Report:
         return f"{self.keys:,} keys for {self.samples:,} samples (1 for {self.ratio:.1f}){bound}; {where}"
 
     def __str__(self) -> str:
-        return "\n".join([*_summary_lines(self), *_worst_lines(self)])
+        found = ([], []) if self.noise is None else (self.noise.lines(), self.noise.rows())
+        return "\n".join([*found[0], *_summary_lines(self), *found[1], *_worst_lines(self)])
 
     def to_json(self) -> dict[str, Any]:
         """Plain dict for json.dumps; `Report.from_json` reads it back."""
@@ -304,7 +306,10 @@ def _summary_lines(report: Report) -> list[str]:
     bound = (
         f"; at least {report.lower_bound:,} are needed, this is {report.over_bound:.2f}x" if report.over_bound else ""
     )
-    lines = [f"keys       {report.keys:,} for {report.samples:,} samples, 1 for {report.ratio:.1f}{bound}"]
+    if report.noise is not None and report.keys == report.samples:
+        lines = ["changed    from the captured clip to the clean one:"]
+    else:
+        lines = [f"keys       {report.keys:,} for {report.samples:,} samples, 1 for {report.ratio:.1f}{bound}"]
     settings = [(name, getattr(report, name)) for name in ("tolerance", "method", "align", "quality")]
     made = [f"{name} {value}" for name, value in settings if value]
     made += [f"{report.seconds:.2f} s"] if report.seconds is not None else []
@@ -332,19 +337,11 @@ def _worst_lines(report: Report, count: int = 5) -> list[str]:
     """The few channels and joints that are furthest off."""
     channels = sorted((row for row in report.channels if row.max > 0), key=lambda row: (row.unit, -row.max))
     joints = sorted((row for row in report.joints if row.max > 0), key=lambda row: -row.max)
-    angles = [[r.name, f"{r.keys:,}", f"{r.max:.4g} {r.unit}", f"{r.rms:.3g} {r.unit}"] for r in channels[:count]]
+    keyed = report.keys != report.samples
+    angles = [
+        [r.name, *([f"{r.keys:,}"] if keyed else []), f"{r.max:.4g} {r.unit}", f"{r.rms:.3g} {r.unit}"]
+        for r in channels[:count]
+    ]
     places = [[r.name, _length(report, r.max), _length(report, r.rms)] for r in joints[:count]]
-    lines = _table(["furthest channels", "keys", "max", "RMS"], angles)
-    return lines + _table(["furthest joints", "max", "RMS"], places)
-
-
-def _table(head: list[str], rows: list[list[str]]) -> list[str]:
-    """Lines of a table, its first column to the left, the others to the right; no rows, no lines."""
-    if not rows:
-        return []
-    wide = [max(len(row[i]) for row in [head, *rows]) for i in range(len(head))]
-    lines = []
-    for first, *others in [head, *rows]:
-        cells = "  ".join(f"{cell:>{w}}" for cell, w in zip(others, wide[1:], strict=True))
-        lines.append(f"{first:<{wide[0]}}  {cells}")
-    return ["", *lines]
+    lines = table(["furthest channels", *(["keys"] if keyed else []), "max", "RMS"], angles)
+    return lines + table(["furthest joints", "max", "RMS"], places)

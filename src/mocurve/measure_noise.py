@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import asdict, dataclass, field
+from statistics import median
 from typing import Any
 
+from .measure_text import table
 from .motion import Motion
 
 KINDS = {
@@ -14,6 +17,9 @@ KINDS = {
     "run": "several frames that leave and come back as no body does",
     "offset": "a longer part that is displaced as a whole, moved back",
 }
+NAMED = {"lost": "lost run", "frozen": "frozen run"}  # others are called as their kind
+NO_FLOOR = "what shakes there cannot be told from motion; a higher strength or a limit in Hz takes it out"
+FEW = 4  # names in a sentence
 
 
 @dataclass(frozen=True)
@@ -44,6 +50,10 @@ class Artefact:
     last: int
     by: float | None = None
 
+    @property
+    def frames(self) -> int:
+        return self.last - self.first + 1
+
 
 @dataclass(frozen=True)
 class Noise:
@@ -64,6 +74,66 @@ class Noise:
     dropped: int = 0
     captured: Motion | None = field(default=None, repr=False, compare=False)
 
+    def __str__(self) -> str:
+        return "\n".join(self.lines() + self.rows())
+
+    def lines(self) -> list[str]:
+        """What was found, in a few lines of text."""
+        told = [self._sigma(unit) for unit in ("degrees", "units") if self._noisiest(unit)]
+        told = told or ["no channel moves and has the samples that would tell"]
+        lines = [f"{'' if place else 'noise':<11}{text}" for place, text in enumerate(told)]
+        lines += [f"artefacts  {self._artefacts()}"]
+        if self.dropped:
+            lines += [f"T-pose     {_count(self.dropped, 'frame')} taken away at the start"]
+        sentence = self.no_floor()
+        return [*lines, f"no floor   {sentence}"] if sentence else lines
+
+    def rows(self, count: int = 5) -> list[str]:
+        """Tables of the noisiest channels of each unit and of the longest artefacts; frames count from 0."""
+        noisy = [row for unit in ("degrees", "units") for row in self._noisiest(unit)[:count]]
+        cells = [
+            [row.name, f"{row.sigma:.3g} {row.unit}", "" if row.cutoff is None else f"{row.cutoff:.3g} Hz"]
+            for row in noisy
+        ]
+        longest = sorted(self.artefacts, key=lambda row: (-row.frames, row.first))[:count]
+        step = None if self.captured is None else self.captured.frame_time
+        told = [[_where(row), row.kind, _span(row.first, row.last), _seconds(row, step)] for row in longest]
+        return table(["noisiest channels", "sigma", "halved at"], cells) + table(
+            ["longest artefacts", "kind", "frames", "seconds"], told
+        )
+
+    def no_floor(self) -> str:
+        """The sentence on channels whose noise is not white; empty where all of them have a floor."""
+        names = [row.name for row in self.channels if not row.floor]
+        if not names:
+            return ""
+        where = _listed(names) if len(names) <= FEW else f"{len(names)} channels, such as {_listed(names[:FEW])}"
+        return f"no white noise floor found in {where}: {NO_FLOOR}"
+
+    def _noisiest(self, unit: str) -> list[ChannelNoise]:
+        return sorted((row for row in self.channels if row.unit == unit), key=lambda row: -row.sigma)
+
+    def _sigma(self, unit: str) -> str:
+        rows = self._noisiest(unit)
+        middle, most = median(row.sigma for row in rows), rows[0]
+        return f"{middle:.3g} {unit} (median of {_count(len(rows), 'channel')}), most {most.sigma:.3g} in {most.name}"
+
+    def _artefacts(self) -> str:
+        counts = Counter(row.kind for row in self.artefacts)
+        if not counts:
+            return "none"
+        done = dict.fromkeys(KINDS, "marked and kept" if self.marked else "filled in")
+        done["lost"] = "filled in"
+        done["offset"] = "marked and kept" if self.marked else "moved back"
+        parts = []
+        for what in dict.fromkeys(done.values()):
+            told = [
+                _count(counts[kind], NAMED.get(kind, kind)) for kind in KINDS if counts[kind] and done[kind] == what
+            ]
+            parts += [f"{', '.join(told)} {what}"] if told else []
+        apart = ", offsets not counted" if counts["offset"] else ""
+        return f"{'; '.join(parts)}; {_count(self.samples, 'sample')}{apart}"
+
     def to_json(self) -> dict[str, Any]:
         """Plain dict for json.dumps; `Noise.from_json` reads it back."""
         return {
@@ -80,3 +150,28 @@ class Noise:
         channels = tuple(ChannelNoise(**row) for row in data["channels"])
         artefacts = tuple(Artefact(**{**row, "channels": tuple(row["channels"])}) for row in data["artefacts"])
         return cls(channels, artefacts, data["samples"], data["marked"], data["dropped"])
+
+
+# -- in call order -----------------------------------------------------------------------------------------------------
+
+
+def _count(number: int, name: str) -> str:
+    return f"{number:,} {name}{'' if number == 1 else 's'}"
+
+
+def _where(row: Artefact) -> str:
+    """The joint and the kinds of its channels: "Hips Xposition Yposition"."""
+    return " ".join([row.joint, *(name.removeprefix(f"{row.joint}.") for name in row.channels)])
+
+
+def _span(first: int, last: int) -> str:
+    return str(first) if first == last else f"{first}-{last}"
+
+
+def _seconds(row: Artefact, step: float | None) -> str:
+    """When it begins and how long it lasts; empty where the frame time is not known."""
+    return "" if step is None else f"{row.first * step:.2f} for {row.frames * step:.3f}"
+
+
+def _listed(names: list[str]) -> str:
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"

@@ -32,7 +32,12 @@ def with_options_of(verb: Callable[..., Any]) -> Callable[[Callable[..., None]],
     """
     hints, told = get_type_hints(verb), _told(verb.__doc__ or "")
     taken = [
-        option.replace(annotation=Annotated[_typed(hints[option.name]), Parameter(help=told[option.name])])
+        option.replace(
+            annotation=Annotated[
+                _typed(hints[option.name]),
+                Parameter(help=told[option.name], show_default=option.default not in (None, False, ())),
+            ]
+        )
         for option in inspect.signature(verb).parameters.values()
         if option.kind is option.KEYWORD_ONLY
     ]
