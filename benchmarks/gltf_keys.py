@@ -2,9 +2,9 @@
 
     python benchmarks/gltf_keys.py [--percent 0.1 0.5] [--frames 500] [--clips walk]
 
-Ours holds the tolerance (planted feet like the rest). Each peer's own tolerance is then swept, by bisection, to the
-largest at which its largest error in space (any joint or end site, any frame, slerp as players do it) is not above
-ours: so all three move things by the same amount.
+Ours holds the tolerance (planted feet like the rest). Each peer's own tolerance is then swept, by bisection and a look
+around, for the fewest keys whose largest error in space (any joint or end site, any frame, slerp as players do it) is
+not above ours: so all three move things by the same amount.
 
 resample (npm install in this folder; node): a key is kept where the slerp from the last kept key to the next sample is
 off by more than the tolerance in any component.
@@ -46,6 +46,7 @@ CLIPS = {
     "other/rokoko_dance_fingers.bvh": 0,
 }
 BISECTIONS = 14
+NEARBY = 16  # more tolerances that are tried
 OZZ_DISTANCE = 0.1  # metres, ozz's default: where on a joint its error counts
 GOALS = "fewer keys than both, by a stated ratio"
 
@@ -72,7 +73,7 @@ class Body:
         turned, placed = self.turned.copy(), self.placed.copy()
         for (joint, turns), track in zip(self.ways, tracks, strict=True):
             wide = track if turns else Track(track.frames, np.pad(track.values[:, :3], ((0, 0), (0, 1))))
-            now = states_at(turns, wide, self.motion.frames, self.motion.frame_time, True)
+            now = states_at(turns, wide, self.motion.frames)
             (turned if turns else placed)[joint] = now
         return float(np.linalg.norm(places_in_world(self.motion.skeleton, turned, placed) - self.places, axis=-1).max())
 
@@ -88,16 +89,21 @@ class Body:
 
 
 def swept(peer: Peer, body: Body, error: float) -> Tracks:
-    """The peer's tracks at its largest tolerance whose error in space is not above `error`."""
-    low, high, best = 1e-9, 10.0, None
+    """The peer's tracks with the fewest keys whose error in space is not above `error`."""
+    low, high, best = 1e-9, 10.0, peer(1e-9)
+    tolerances = []
     for _ in range(BISECTIONS):
-        tolerance = float(np.sqrt(low * high))
-        tracks = peer(tolerance)
-        if body.error(tracks) <= error:
-            low, best = tolerance, tracks
+        tolerances.append(float(np.sqrt(low * high)))
+        if body.error(peer(tolerances[-1])) <= error:
+            low = tolerances[-1]
         else:
-            high = tolerance
-    return best if best is not None else peer(1e-9)
+            high = tolerances[-1]
+    # the error does not rise evenly: a look around, and the fewest keys count
+    for tolerance in (*tolerances[3:], *(low * np.geomspace(0.7, 2.0, NEARBY))):
+        tracks = peer(float(tolerance))
+        if body.size(tracks)[0] < body.size(best)[0] and body.error(tracks) <= error:
+            best = tracks
+    return best
 
 
 # -- the peers ---------------------------------------------------------------------------------------------------------

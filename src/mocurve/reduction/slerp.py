@@ -124,18 +124,16 @@ def _by_joint(skeleton: Skeleton, ways: list[Way], tracks: list[Track]) -> Joint
 
 
 def held(asked: Problem, ways: list[Way], tracks: list[Track]) -> list[Track]:
-    """The tracks, and more keys in them until no limit is broken. The last resort, a key at every frame, is exact.
-
-    Where single precision can hold the promise it holds for times and values rounded to it too, as files have them."""
+    """The tracks, and more keys in them until no limit is broken. The last resort, a key at every frame, is exact."""
     while True:
-        broken = _broken(asked, ways, tracks, False) | _broken(asked, ways, tracks, True)
+        broken = _broken(asked, ways, tracks)
         mended = [_mended(way, track, bad) for way, track, bad in zip(ways, tracks, broken, strict=True)]
         if all(new is old for new, old in zip(mended, tracks, strict=True)):
             return tracks
         tracks = mended
 
 
-def _broken(asked: Problem, ways: list[Way], tracks: list[Track], single: bool) -> np.ndarray:
+def _broken(asked: Problem, ways: list[Way], tracks: list[Track]) -> np.ndarray:
     """(ways, F) True where a way is beyond its own limits, or moves a joint that is beyond its own."""
     motion, limits, _ = asked
     skeleton = motion.skeleton
@@ -143,9 +141,8 @@ def _broken(asked: Problem, ways: list[Way], tracks: list[Track], single: bool) 
     target = places_in_world(skeleton, turned, placed)
     broken = np.zeros((len(ways), motion.frames), bool)
     for w, (way, track) in enumerate(zip(ways, tracks, strict=True)):
-        now = states_at(way.turns, track, motion.frames, motion.frame_time, single)
+        now = states_at(way.turns, track, motion.frames)
         if way.turns:
-            # the angle from the sine of its quarter: it keeps its digits where angles are small
             away = np.minimum(*(np.linalg.norm(now + side * way.states, axis=1) for side in (1.0, -1.0)))
             broken[w] = ~(away <= way.stray[:, 0])
             turned[way.joint] = now
@@ -166,23 +163,15 @@ def _broken(asked: Problem, ways: list[Way], tracks: list[Track], single: bool) 
     return broken
 
 
-def states_at(turns: bool, track: Track, frames: int, frame_time: float, single: bool) -> np.ndarray:
-    """(F, 4) what a player shows at every frame. single: the file keeps times and values in single precision."""
-    times, values = track.frames * frame_time, track.values
-    if single:
-        times, values = times.astype(np.float32).astype(float), values.astype(np.float32).astype(float)
-    if len(times) == 1:
+def states_at(turns: bool, track: Track, frames: int) -> np.ndarray:
+    """(F, n) what a player shows at every frame: slerp, or straight lines."""
+    at, values = track
+    if len(at) == 1:
         return np.repeat(values, frames, axis=0)
-    at = np.arange(frames) * frame_time
-    if not single:  # on frames exactly
-        times, at = track.frames.astype(float), np.arange(frames, dtype=float)
-    segment = np.clip(np.searchsorted(times, at, side="right") - 1, 0, len(times) - 2)
-    part = np.clip((at - times[segment]) / (times[segment + 1] - times[segment]), 0.0, 1.0)
+    segment = np.clip(np.searchsorted(at, np.arange(frames), side="right") - 1, 0, len(at) - 2)
+    part = (np.arange(frames) - at[segment]) / (at[segment + 1] - at[segment])
     a, b = values[segment], values[segment + 1]
-    if not turns:
-        return a + part[:, None] * (b - a)
-    now = rotation.slerp(a, b, part)
-    return now / np.linalg.norm(now, axis=1, keepdims=True)
+    return rotation.slerp(a, b, part) if turns else a + part[:, None] * (b - a)
 
 
 def places_in_world(skeleton: Skeleton, turned: np.ndarray, placed: np.ndarray) -> np.ndarray:

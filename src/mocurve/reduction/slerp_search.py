@@ -23,7 +23,8 @@ from ._slerp_scene import Scene, find_centre, furnish, offer, pose, worst
 from .problem import Problem
 from .world import SHELL, body_of, point_limits
 
-RESERVE = 1e-3  # part of every limit left to the rounding of times and values to single precision
+RESERVE = 1e-5  # part of every limit left to rounding
+GRAIN = 2.5e-7  # radians, and part of a length: what single precision changes in a key's state
 SHARE = 0.15  # of what a way's lever arm allows: where it starts
 LEAST_SHARE = 1e-9  # below, a limit of nothing is asked: the check of the promise gives every frame its key
 
@@ -66,7 +67,10 @@ def search(asked: Problem, ways: list[Way], turned: np.ndarray, placed: np.ndarr
     """Tracks of all ways that keep every limit, less the reserve.
 
     turned, placed: (J, F, 4) rotations and places of all joints, as slerp.local_states has them."""
-    caps = [way.stray * (1.0 - RESERVE) for way in ways]
+    drifts = [_drift(way, asked.motion.frame_time) for way in ways]
+    caps = [
+        _less(way.stray, drift[:, None] * (0.5 if way.turns else 1.0)) for way, drift in zip(ways, drifts, strict=True)
+    ]
     if asked.limits.joints is None:
         done: list[Track] = []
         for way, cap in zip(ways, caps, strict=True):
@@ -77,7 +81,7 @@ def search(asked: Problem, ways: list[Way], turned: np.ndarray, placed: np.ndarr
                 track = _better(room, track, step)
             done.append(track)
         return done
-    scene = scene_of(asked, turned, placed)
+    scene = scene_of(asked, ways, drifts, turned, placed)
     alone = [_allowance(scene, way, 0.5 * SHELL * rest_height(asked.motion)) for way in ways]
     _refuse_unlimited(asked, ways, [np.minimum(*both) for both in zip(alone, caps, strict=True)])
     tracks = _start(scene, ways, alone, caps)
@@ -90,26 +94,53 @@ def search(asked: Problem, ways: list[Way], turned: np.ndarray, placed: np.ndarr
     return tracks
 
 
-def scene_of(asked: Problem, turned: np.ndarray, placed: np.ndarray) -> Scene:
-    """The clip as it was given."""
+def _drift(way: Way, frame_time: float) -> np.ndarray:
+    """(F,) how far single precision may shift a way at each frame, radians or length: by its keys' times and states."""
+    step = np.linalg.norm(np.diff(way.states, axis=0), axis=1) * (2.0 if way.turns else 1.0)
+    fastest = np.maximum(np.append(step, 0.0), np.append(0.0, step))  # a frame
+    times = (np.arange(len(way.states)) * frame_time).astype(np.float32)
+    late = 0.5 * np.spacing(times).astype(float) / frame_time  # frames
+    return fastest * late + GRAIN * (1.0 if way.turns else np.abs(way.states).max(axis=1, initial=0.0))
+
+
+def _less(limits: np.ndarray, rounding: np.ndarray) -> np.ndarray:
+    """Limits less what rounding may take, at most half of them."""
+    return np.maximum(limits * (1.0 - RESERVE) - rounding, 0.5 * limits)
+
+
+def scene_of(
+    asked: Problem, ways: list[Way], drifts: list[np.ndarray], turned: np.ndarray, placed: np.ndarray
+) -> Scene:
+    """The clip as it was given, its limits less what single precision may take."""
     motion, joints = asked.motion, asked.limits.joints
     assert joints is not None
     body = body_of(motion)
-    limits = point_limits(body, joints) * (1.0 - RESERVE)
     last = np.array([int(np.flatnonzero(motion.skeleton.below(j))[-1]) + 1 for j in range(len(body.parents))])
     points = np.empty((motion.frames, len(body.shell), 3))
+    limits = np.zeros((motion.frames, len(body.shell)))
     scene = Scene(body, last, turned.copy(), placed.copy(), np.empty_like(turned), points, points.copy(), limits)
     pose(scene, 0, len(last))
     scene.target[:] = scene.points
+    for way, drift in zip(ways, drifts, strict=True):
+        carried, arms = _carried(scene, way)
+        limits[:, carried] += drift[:, None] * arms
+    limits[:] = _less(point_limits(body, joints), limits)
     return scene
+
+
+def _carried(scene: Scene, way: Way) -> tuple[slice, np.ndarray]:
+    """The points that a way moves, and by how much for a radian, or a unit of length, (F, P)."""
+    first, last = scene.body.first_point[way.joint] + way.turns, scene.body.last_point[way.joint]
+    if not way.turns:
+        return slice(first, last), np.ones((len(scene.target), last - first))
+    return slice(first, last), np.linalg.norm(scene.target[:, first:last] - scene.target[:, first - 1 : first], axis=-1)
 
 
 def _allowance(scene: Scene, way: Way, floor: float) -> np.ndarray:
     """(F, 4) how far a way may stray on its own by what hangs on it, as in Room, no lever arm shorter than `floor`."""
-    first, last = scene.body.first_point[way.joint] + way.turns, scene.body.last_point[way.joint]
-    limits = scene.limits[:, first:last]
+    carried, arms = _carried(scene, way)
+    limits = scene.limits[:, carried]
     if way.turns:
-        arms = np.linalg.norm(scene.target[:, first:last] - scene.target[:, first - 1 : first], axis=-1)
         limits = 0.5 * limits / np.maximum(arms, floor)
     return np.repeat(limits.min(axis=1, initial=np.inf)[:, None], 4, axis=1)
 
