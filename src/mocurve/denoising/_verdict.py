@@ -15,6 +15,7 @@ VISIBLE, UNSURE, CERTAIN = 4.0, 2.0, 6.0  # deviations in their standard deviati
 ISOLATED, MOVING, SIDED = 2.0, 1.5, 2.0  # jump over steps inside, over curvature around, of one side alone
 VISIBLY = 3.0  # a deviation jumps at most that many times as far as the samples
 REAL = 0.3  # part of a channel's second difference that the rotation of its joint has at least
+STAYS = 0.5  # part of a leap that is left a frame later
 AROUND = 6  # frames
 SHORT, LONG = 2, 6  # frames
 
@@ -64,11 +65,14 @@ def of_channel(y, x, variance, sigma, a, b, turn, sharpest, floor, strength):
             most = max(most, abs(y[j] - x[j]))
             j += 1
         p, q = trimmed(y, x, i, j, TRIM * most)
-        value = impossible(y, sigma, p, q, sharpest)
+        if q - p > LONG:
+            value = lost(y, sigma, i, j, sharpest)
+        else:
+            value = impossible(y, sigma, p, q, sharpest)
         if value <= BELIEVED:
             value = max(value, of_run(y, x, variance, sigma, a, b, i, j, floor))
-        elif j - i > LONG:
-            p, q = i, j  # a limb that is lost leaves and comes back over several frames
+        elif q - p > LONG:
+            p, q = i, j  # such a run leaves and comes back over several frames
         if only_notation(y, turn, p, q) or no_simpler(y, x, p, q):
             value = 0.0
         for k in range(p, q):
@@ -168,6 +172,19 @@ def impossible(y, sigma, p, q, sharpest):
     for i in range(max(p - 1, 1), min(q + 1, len(y) - 1)):
         sharp = max(sharp, abs(y[i - 1] - 2.0 * y[i] + y[i + 1]))
     return (sharp - CERTAIN * sigma) / sharpest
+
+
+@kernel
+def lost(y, sigma, p, q, sharpest):
+    """The same for a long run, as where a sensor loses a limb: it has to leave and to come back by such a turn, each
+    time for longer than a frame, else there is but a spike at its end."""
+    if p == 0 or q == len(y):
+        return 0.0
+    out = abs(y[p + 1] - y[p - 1]) > STAYS * abs(y[p] - y[p - 1])
+    back = abs(y[q - 2] - y[q]) > STAYS * abs(y[q - 1] - y[q])
+    if not (out and back):
+        return 0.0
+    return min(impossible(y, sigma, p, p + 1, sharpest), impossible(y, sigma, q - 1, q, sharpest))
 
 
 @kernel

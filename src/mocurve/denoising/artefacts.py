@@ -15,7 +15,6 @@ GAP, EACH, ENTRY, CAP = 12, 1.2, 8.0, 14.0  # frames a path may skip at once, it
 END = 6  # frames it may skip at an end of the clip
 TRIGGER = 4.0  # standard deviations of the second difference
 LEAST, MOST = 3, 30  # frames that repeat: a dropout
-RESTS = 2.5  # times the steps around it: what a joint that was frozen leaps at least
 HELD = 0.3  # of all frames repeat: the channel is stored coarsely, no dropout
 SHARPEST = 1e5  # degrees/s2 that no joint exceeds: kicks and impacts of people stay below
 LEAP = 250.0  # degrees/s: slower jumps are no artefacts
@@ -64,23 +63,27 @@ def repeats(y: np.ndarray) -> np.ndarray:
     same = np.concatenate(([False], (np.diff(live, axis=1) == 0).all(0)))
     if same.mean() > HELD:
         return bad
-    step = np.abs(np.diff(live, axis=1))
     for a, b in runs(same):
-        if LEAST - 1 <= b - a <= MOST and _leaps(step, a, b):
+        if LEAST - 1 <= b - a <= MOST:
             bad[a:b] = True
             bad[a - 1] |= bool((live[:, a - 1] == 0).all())  # zeroed: its first frame repeats nothing
     return bad
 
 
-def _leaps(step: np.ndarray, a: int, b: int) -> bool:
-    """Whether a channel leaps into or out of the run that holds the value of frame a - 1 up to frame b - 1: a joint
-    that rests, or is stopped, does not."""
-    entry = step[:, a - 2] if a > 1 else np.zeros(len(step))
-    leave = step[:, b - 1] if b <= step.shape[1] else np.zeros(len(step))
-    around = np.maximum(
-        step[:, max(0, a - 4) : max(0, a - 2)].max(1, initial=0.0), step[:, b : b + 2].max(1, initial=0.0)
-    )
-    return bool((np.maximum(entry, leave) > RESTS * around + 1e-9).any())
+def believed(frozen: np.ndarray, y: np.ndarray, x: np.ndarray, groups: Sequence[np.ndarray]) -> np.ndarray:
+    """Of the frozen runs (C, n) those where the fit x without them is the simpler curve: it swings less about the chord
+    than the joint leaps. A knee that is stopped for long leaves a gap that no curve crosses well."""
+    out = frozen.copy()
+    for group in groups:
+        for a, b in runs(frozen[group].any(0)):
+            if a == 0 or b == y.shape[1]:
+                continue
+            along = np.arange(1, b - a + 1) / (b - a + 1)
+            chord = y[group, a - 1, None] + (y[group, b] - y[group, a - 1])[:, None] * along
+            swing, leap = np.abs(x[group, a:b] - chord).max(1), np.abs(y[group, a:b] - chord).max(1)
+            if np.linalg.norm(swing) > np.linalg.norm(leap):
+                out[group, a:b] = False
+    return out
 
 
 def runs(marked: np.ndarray) -> list[tuple[int, int]]:

@@ -76,6 +76,10 @@ def clean(
     raised: list[steps.Offset] = []
     near = None
     if known is None:
+        if frozen.any():
+            w = (~(lost | frozen)).astype(np.float64)
+            fit, _ = smoothing.fit(y, w, smoothing.strength(y, w, pools, strength))
+            frozen = artefacts.believed(frozen, y, fit, groups)
         filled = bridged(y, lost | frozen)
         raised = steps.offsets(filled, artefacts.noise_level(filled), body.sharpest, body.leap, artefacts.GAP)
         for channel, first, last, by in raised:
