@@ -10,6 +10,7 @@ round to round, lest one takes all the room early (world.py does the same for si
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
 import numpy as np
@@ -21,7 +22,8 @@ from ._slerp import Room, fewest, sampled
 from ._slerp_fit import prune, refit
 from ._slerp_scene import Scene, find_centre, furnish, offer, pose, worst
 from .problem import Problem
-from .world import SHELL, body_of, point_limits
+from .world import SHELL, body_of, cores, limbs, point_limits
+from .world import _side_by_side as side_by_side
 
 RESERVE = 1e-5  # part of every limit left to rounding
 GRAIN = 2.5e-7  # radians, and part of a length: what single precision changes in a key's state
@@ -85,13 +87,29 @@ def search(asked: Problem, ways: list[Way], turned: np.ndarray, placed: np.ndarr
     alone = [_allowance(scene, way, 0.5 * SHELL * rest_height(asked.motion)) for way in ways]
     _refuse_unlimited(asked, ways, [np.minimum(*both) for both in zip(alone, caps, strict=True)])
     tracks = _start(scene, ways, alone, caps)
-    for number, step in enumerate(ROUNDS):
-        progress.advance("keys of joints", number, len(ROUNDS))
-        for w in range(len(ways) - 1, -1, -1):
-            room = _furnished(scene, ways[w], np.minimum(step.stray * alone[w], caps[w]))
-            tracks[w] = _better(room, tracks[w], step)
-            _put(scene, ways[w], tracks[w])
+    parts = _limbs(asked, ways)
+    with ThreadPoolExecutor(cores()) as threads:
+        for number, step in enumerate(ROUNDS):
+            progress.advance("keys of joints", number, len(ROUNDS))
+
+            def improve(w: int, step: Round = step) -> None:
+                room = _furnished(scene, ways[w], np.minimum(step.stray * alone[w], caps[w]))
+                tracks[w] = _better(room, tracks[w], step)
+                _put(scene, ways[w], tracks[w])
+
+            side_by_side(threads, parts, improve)
+    progress.advance("keys of joints", len(ROUNDS), len(ROUNDS))
     return tracks
+
+
+def _limbs(asked: Problem, ways: list[Way]) -> list[list[int]]:
+    """The ways by number, leaves first: of each limb, and last of the trunk."""
+    owners = asked.motion.skeleton.channel_joints
+    of_joint: dict[int, list[int]] = {}
+    for w in range(len(ways) - 1, -1, -1):
+        of_joint.setdefault(ways[w].joint, []).append(w)
+    parts = limbs(asked.motion, asked.groups)
+    return [[w for g in part for w in of_joint[int(owners[asked.groups[g][0]])]] for part in parts]
 
 
 def _drift(way: Way, frame_time: float) -> np.ndarray:
