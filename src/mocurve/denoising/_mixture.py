@@ -75,10 +75,11 @@ def fit(y, w, gaps, smoothing, x, variance):
 
 @kernel
 def mix(y, w, gaps, grid, softest, centre, below, above, sigma, reach, temperature, prior, x):
-    """x (C, n): average of the fits at the strengths from centre - below (at least grid[softest]) to centre + above, weighted frame by frame.
+    """x (C, n): average of the fits at the strengths from centre - below (at least grid[softest]) to centre + above,
+    weighted frame by frame.
 
     Weights fall with the local risk of each fit, Stein's unbiased estimate summed over +-reach frames (a box, and once
-    more one of half the width), and with the distance from the cross-validated centre (C,), counted in steps of grid."""
+    more one of half the width), and with the distance from the cross-validated centre (C,), in steps of the grid."""
     channels, n = y.shape
     shared, own = np.empty((5, n)), np.empty((5, n))
     ones, one, risk, spare = np.ones(n), np.empty(n), np.empty(n), np.empty(n)

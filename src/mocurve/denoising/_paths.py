@@ -15,8 +15,9 @@ def skip(y, noise, motion, first, last, gap, end, each, entry, cap, skipped):
     """Marks in skipped (n,) the frames of first ... last that the cheapest path leaves out.
 
     y (n, C) channels of one joint; noise (C,) variance of a sample; motion (n, C) variance of the motion's own second
-    difference. A state is a kept frame and the gap to the kept frame before. Keeping k after j after i costs how far the
-    slope turns at j, in units of what noise and motion explain, and at most cap; leaving out m frames entry + m each."""
+    difference. A state is a kept frame and the gap to the kept frame before. Keeping k after j after i costs how far
+    the slope turns at j, in units of what noise and motion explain, and at most cap; leaving out m frames costs
+    entry + each * m."""
     n, channels, widest = last - first + 1, y.shape[1], gap + 1
     cost = np.full((n, widest + 1), np.inf)
     came = np.zeros((n, widest + 1), np.int64)

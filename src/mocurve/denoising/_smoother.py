@@ -7,8 +7,6 @@ of its inverse, which cross-validation and predicted variances need, follows fro
 
 from __future__ import annotations
 
-import numpy as np
-
 from .._jit import kernel
 
 ORDER = 3

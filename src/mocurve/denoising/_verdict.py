@@ -24,8 +24,9 @@ SHORT, LONG = 2, 6  # frames
 def judge(y, x, variance, sigma, candidate, turn, sharpest, floor, out):
     """Marks in out (C, n) what of the candidate runs (n,) of a joint is an artefact, channel by channel.
 
-    y (C, n) samples; x, variance (C, n) the fit without all candidates and the variance of its values; sigma (C,) noise;
-    turn (n,) second difference of the joint's rotation itself, below 0: unknown; sharpest (C,) largest second difference of any motion; floor (C,) jumps below it are no artefact."""
+    y (C, n) samples; x, variance (C, n) the fit without all candidates and the variance of its values; sigma (C,)
+    noise; turn (n,) second difference of the joint's rotation itself, below 0: unknown; sharpest (C,) largest second
+    difference of any motion; floor (C,) jumps below it are no artefact."""
     channels, n = y.shape
     strength = np.zeros((channels, n))  # of the run that a frame is part of
     for c in range(channels):
@@ -65,10 +66,7 @@ def of_channel(y, x, variance, sigma, a, b, turn, sharpest, floor, strength):
             most = max(most, abs(y[j] - x[j]))
             j += 1
         p, q = trimmed(y, x, i, j, TRIM * most)
-        if q - p > LONG:
-            value = lost(y, sigma, i, j, sharpest)
-        else:
-            value = impossible(y, sigma, p, q, sharpest)
+        value = lost(y, sigma, i, j, sharpest) if q - p > LONG else impossible(y, sigma, p, q, sharpest)
         if value <= BELIEVED:
             value = max(value, of_run(y, x, variance, sigma, a, b, i, j, floor))
         elif q - p > LONG:
@@ -157,7 +155,7 @@ def core(off, variance, sigma, candidate, out):
 
 @kernel
 def jump(y, x, inner, outer):
-    """How far the deviation jumps between a frame of a run and its neighbour outside, as far as the samples jump too."""
+    """How far the deviation jumps from a frame of a run to its neighbour outside, as far as the samples jump too."""
     if not 0 <= outer < len(y):
         return abs(y[inner] - x[inner])
     deviation = (y[inner] - x[inner]) - (y[outer] - x[outer])

@@ -43,7 +43,8 @@ class Body(NamedTuple):
 
 
 def noise_level(y: np.ndarray) -> np.ndarray:
-    """Standard deviation (C,) of white noise, robustly: the least over orders p of MAD(p-th difference)/sqrt(C(2p, p))."""
+    """Standard deviation (C,) of white noise, robustly: the least over orders p of 1.4826 MAD(p-th difference) over
+    sqrt(C(2p, p))."""
     least = np.full(len(y), np.inf)
     differences = y
     for order in range(1, max(ORDERS) + 1):
@@ -95,7 +96,7 @@ def runs(marked: np.ndarray) -> list[tuple[int, int]]:
 def candidates(y: np.ndarray, sigma: np.ndarray, groups: Sequence[np.ndarray], body: Body, fps: float) -> np.ndarray:
     """Frames (C, n) that the cheapest smooth path leaves out, the same for all channels of a joint. y: minus a fit."""
     skipped = np.zeros(y.shape, bool)
-    channels, n = y.shape
+    n = y.shape[1]
     if n < 8:
         return skipped
     bend = np.zeros_like(y)
@@ -119,7 +120,7 @@ def candidates(y: np.ndarray, sigma: np.ndarray, groups: Sequence[np.ndarray], b
 
 
 def motion_variance(bend: np.ndarray, noise: np.ndarray, sharpest: np.ndarray, fps: float) -> np.ndarray:
-    """Variance (C, n) of the second difference that is motion: the local one, at least that of the whole clip's tail."""
+    """Variance (C, n) of the second difference that is motion: the local one, at least that of the clip's tail."""
     size = np.abs(bend)
     size = np.where(size > sharpest, 0.0, size)  # no motion: it must not make others look like motion
     local = 1.4826 * _local_median(size, max(9, round(fps * LOCAL) | 1))

@@ -1,8 +1,8 @@
 """Channels in, clean channels out: what is no motion is found and left out, noise is smoothed away as the data ask for.
 
-In this order: gaps and frozen runs are filled; parts that are displaced as a whole are moved back; then twice, the second
-time on what a fit leaves over: candidates, which the cheapest smooth path leaves out, and the verdict on each; last the
-curves, each smoothed by the strength that predicts left-out samples best, frame by frame.
+In this order: gaps and frozen runs are filled; parts that are displaced as a whole are moved back; then twice, the
+second time on what a fit leaves over: candidates, which the cheapest smooth path leaves out, and the verdict on each;
+last the curves, each smoothed by the strength that predicts left-out samples best, frame by frame.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ LABEL = "cleaning"
 class Cleaned(NamedTuple):
     """What became of F frames of C channels.
 
-    values: (F, C); masked: (F, C) frames that were no motion and were filled in; lost, frozen: (F, C) those of them that
-    were missing, or repeated a frame; offsets: parts that were moved back; sigma: (C,) noise; floor: (C,) whether noise
-    could be told from motion; cutoff: (C,) frequency, in frames, at which the usual strength halves an oscillation.
+    values: (F, C); masked: (F, C) frames that were no motion and were filled in; lost, frozen: (F, C) those of them
+    that were missing, or repeated a frame; offsets: parts that were moved back; sigma: (C,) noise; floor: (C,) whether
+    noise could be told from motion; cutoff: (C,) cycles a frame at which the usual strength halves an oscillation.
     """
 
     values: np.ndarray
@@ -56,10 +56,10 @@ def clean(
 ) -> Cleaned:
     """Clean channels (F, C) without jumps of whole turns; NaN where a sample is missing, at least 8 others a channel.
 
-    groups: channels of each joint, judged together (by default each alone); pools: channels of much the same noise (all);
-    body: what no motion exceeds (degrees); turns: (groups, F) second difference in degrees of the rotation of each joint
-    itself, below 0 where it is not known; strength: counts the degrees of freedom of the smoothing that many times;
-    limit: Hz above which nothing is motion; known: (F, C) frames to leave out instead of looking for them.
+    groups: channels of each joint, judged together (by default each alone); pools: channels of much the same noise
+    (all); body: what no motion exceeds (degrees); turns: (groups, F) second difference in degrees of the rotation of
+    each joint itself, below 0 where it is not known; strength: counts the degrees of freedom of the smoothing that many
+    times; limit: Hz above which nothing is motion; known: (F, C) frames to leave out instead of looking for them.
     """
     y = np.ascontiguousarray(values.T, np.float64)
     lost = ~np.isfinite(y)

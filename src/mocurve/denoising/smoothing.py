@@ -81,7 +81,8 @@ def _noise(squares: np.ndarray, traces: np.ndarray, kept: np.ndarray) -> np.ndar
 
 
 def _usual(noise: np.ndarray, pools: Sequence[np.ndarray]) -> np.ndarray:
-    """(2, C) the usual log noise in the pool of each channel, and how far channels are from it; NaN: nothing is usual."""
+    """(2, C) the usual log noise in the pool of each channel, and how far channels are from it; NaN where nothing is
+    usual."""
     usual = np.full((2, len(noise)), np.nan)
     for pool in pools:
         live = noise[pool][noise[pool] > np.log(SILENT)]

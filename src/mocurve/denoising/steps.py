@@ -26,7 +26,7 @@ class Offset(NamedTuple):
 def offsets(y: np.ndarray, sigma: np.ndarray, sharpest: np.ndarray, leap: np.ndarray, shortest: int) -> list[Offset]:
     """Displaced parts of the channels y (C, n), of over `shortest` frames.
 
-    sharpest (C,): a leap that no motion makes; leap (C,): one that is worth a look where it is unusual for the channel."""
+    sharpest (C,): a leap that no motion makes; leap (C,): one worth a look where it is unusual for the channel."""
     found: list[Offset] = []
     if y.shape[1] < 4 * shortest:
         return found

@@ -1,4 +1,5 @@
-"""The verb `denoise`: jitter, spikes and dropouts of a capture go, kicks and heel strikes stay, nothing has to be tuned.
+"""The verb `denoise`: jitter, spikes and dropouts of a capture go, kicks and heel strikes stay, nothing is tuned by
+hand.
 
 The other half of Önder 2007 (combined filtering and keyframe reduction): what is to be reduced is first freed of what
 is no motion.
