@@ -8,6 +8,7 @@ A job is {"do": name of a function here, ...}; its answer is a dictionary of num
 from __future__ import annotations
 
 import json
+import os
 import runpy
 import sys
 from pathlib import Path
@@ -96,12 +97,24 @@ def native(job: dict[str, Any]) -> dict[str, Any]:
     return answer
 
 
-def twice(job: dict[str, Any]) -> dict[str, Any]:
-    """The script run twice, and once more from another Python object."""
+def menu(job: dict[str, Any]) -> dict[str, Any]:
+    """The script run twice, as from the text editor; File > Export; what is locked; a curve of the user's own."""
     fresh()
     for _ in range(2):
-        script(job["script"])["build"]()
-    return {"armatures": [rig.name for rig in bpy.data.objects], "actions": bpy.data.actions.keys()}
+        code = script(job["script"])
+        code["build"]()
+        code["add_to_menu"]()
+    rig = only_armature()
+    rig.pose.bones[0].keyframe_insert("scale", frame=3)
+    entries = [draw for draw in bpy.types.TOPBAR_MT_file_export.draw._draw_funcs if draw.__name__ == "_menu"]
+    done = bpy.ops.export_anim.mocurve_curves(filepath=job["out"])
+    try:
+        bpy.ops.export_anim.mocurve_curves(filepath=job["out"] + "/no/folder")
+    except RuntimeError as error:
+        refused = str(error)
+    locks = {b.name: [list(b.lock_location), list(b.lock_rotation), list(b.lock_scale)] for b in rig.pose.bones}
+    answer = {"armatures": [r.name for r in bpy.data.objects if r.type == "ARMATURE"], "locks": locks}
+    return {**answer, "actions": bpy.data.actions.keys(), "menu": len(entries), "done": list(done), "refused": refused}
 
 
 def edited(job: dict[str, Any]) -> dict[str, Any]:
@@ -214,6 +227,8 @@ def main() -> None:
         except Exception as error:  # told by the test that reads the answer
             answers.append({"error": f"{type(error).__name__}: {error}"})
     jobs.with_suffix(".answers.json").write_text(json.dumps(answers), "utf-8")
+    sys.stdout.flush()
+    os._exit(0)  # Blender as a module may hang where it cleans up after operators of a script
 
 
 main()

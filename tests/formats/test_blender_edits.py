@@ -195,3 +195,18 @@ def test_names_that_blender_cuts_and_doubles_come_back_whole(blender, keys, tmp_
     back = command(blender, tmp_path / "odd.blend.py", "--open", "odd.blend", "--export", "odd.curves.json")
     assert "0 of 9 curves differ" in back.stdout, done.stderr + back.stderr
     assert mc.read(tmp_path / "odd.curves.json").skeleton.names == names
+
+
+def test_run_twice_from_the_text_editor_it_has_two_actions_and_one_menu_entry(blender, keys, tmp_path):
+    mc.write(tmp_path / "walk.blend.py", keys)
+    job = {"do": "menu", "script": str(tmp_path / "walk.blend.py"), "out": str(tmp_path / "menu.curves.json")}
+    answer = run(blender, tmp_path, [job])[0]
+    assert answer["armatures"] == ["walk"]
+    assert answer["actions"] == ["walk", "walk.001"]
+    assert answer["menu"] == 1
+    assert answer["done"] == ["FINISHED"]
+    assert "cannot write" in answer["refused"]
+    assert answer["locks"]["Arm"] == [[True] * 3, [False] * 3, [True] * 3]
+    assert answer["locks"]["Hips"][0] == [False] * 3
+    mc.write(tmp_path / "as written.curves.json", keys)
+    assert (tmp_path / "menu.curves.json").read_bytes() == (tmp_path / "as written.curves.json").read_bytes()

@@ -31,7 +31,9 @@ def blender_python() -> str:
 def run(blender: str, folder: Path, jobs: list[dict]) -> list[dict]:
     """The answers to jobs for in_blender.py."""
     (folder / "jobs.json").write_text(json.dumps(jobs), "utf-8")
-    done = subprocess.run([blender, SCRIPT, folder / "jobs.json"], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [blender, SCRIPT, folder / "jobs.json"], capture_output=True, text=True, check=False, timeout=400
+    )
     assert not done.returncode, done.stderr
     answers = json.loads((folder / "jobs.answers.json").read_text("utf-8"))
     errors = [answer["error"] for answer in answers if "error" in answer]

@@ -40,8 +40,8 @@ def keys_of(curve: Curve, kind: str) -> Keys:
 def _take_back_rounding(curve: Curve, first: np.ndarray, second: np.ndarray) -> None:
     """Change the values of handles (K-1, 2), the two of each piece, since their frames will be rounded to 32 bits.
 
-    A handle that moves by d in time moves the curve by its rate times d times the handle's weight, one that moves by v in
-    value moves it by v times the weight: these v are the least squares over the piece.
+    A handle that moves by d in time moves the curve by its rate times d times the handle's weight, one that moves by v
+    in value moves it by v times the weight: these v are the least squares over the piece.
     """
     s = np.arange(1, 16) / 16.0
     weights = 3.0 * s * (1.0 - s) * np.stack([1.0 - s, s])  # (2, 15)
