@@ -1,12 +1,12 @@
 """Keys and bytes of a glTF linear animation: ours, glTF-Transform's `resample` and ozz's optimizer rule, at one error.
 
-    python benchmarks/gltf_keys.py [--percent 0.1 0.5] [--frames 500] [--clips walk]
+    python benchmarks/gltf_keys.py [--percent 0.1 0.5] [--frames 300] [--clips walk]
 
 Ours holds the tolerance (planted feet like the rest). Each peer's own tolerance is then swept, by bisection and a look
 around, for the fewest keys whose largest error in space (any joint or end site, any frame, slerp as players do it) is
 not above ours: so all three move things by the same amount.
 
-resample (npm install in this folder; node): a key is kept where the slerp from the last kept key to the next sample is
+resample (node; npm install --no-package-lock in this folder): a key is kept where the slerp from the last kept key to the next sample is
 off by more than the tolerance in any component.
 ozz: its AnimationOptimizer by its published rule, not its code: Douglas-Peucker per track; a rotation's error is
 2 r sin(angle / 2) at r, the longest way down to an end site plus 0.1 m; keys on samples; constant tracks one key.
@@ -45,8 +45,9 @@ CLIPS = {
     "cmu/cmu_135_04_martial_daz.bvh": 1,
     "other/rokoko_dance_fingers.bvh": 0,
 }
-BISECTIONS = 14
-NEARBY = 16  # more tolerances that are tried
+LEAST, MOST = 1e-7, 0.3  # the peers' tolerances
+BISECTIONS = 12
+NEARBY = 6  # more tolerances that are tried
 OZZ_DISTANCE = 0.1  # metres, ozz's default: where on a joint its error counts
 GOALS = "fewer keys than both, by a stated ratio"
 
@@ -90,19 +91,22 @@ class Body:
 
 def swept(peer: Peer, body: Body, error: float) -> Tracks:
     """The peer's tracks with the fewest keys whose error in space is not above `error`."""
-    low, high, best = 1e-9, 10.0, peer(1e-9)
-    tolerances = []
-    for _ in range(BISECTIONS):
-        tolerances.append(float(np.sqrt(low * high)))
-        if body.error(peer(tolerances[-1])) <= error:
-            low = tolerances[-1]
-        else:
-            high = tolerances[-1]
-    # the error does not rise evenly: a look around, and the fewest keys count
-    for tolerance in (*tolerances[3:], *(low * np.geomspace(0.7, 2.0, NEARBY))):
-        tracks = peer(float(tolerance))
-        if body.size(tracks)[0] < body.size(best)[0] and body.error(tracks) <= error:
+    best = peer(LEAST)
+
+    def fits(tolerance: float) -> bool:
+        nonlocal best
+        tracks = peer(tolerance)
+        holds = body.error(tracks) <= error
+        if holds and body.size(tracks)[0] < body.size(best)[0]:
             best = tracks
+        return holds
+
+    low, high = LEAST, MOST
+    for _ in range(BISECTIONS):
+        middle = float(np.sqrt(low * high))
+        low, high = (middle, high) if fits(middle) else (low, middle)
+    for tolerance in low * np.geomspace(0.8, 2.0, NEARBY):  # the error does not rise evenly
+        fits(float(tolerance))
     return best
 
 
@@ -129,7 +133,7 @@ class Resample:
         assert self.node.stdout is not None
         answer = self.node.stdout.readline()
         if not answer:
-            sys.exit("glTF-Transform is not there: npm install in this folder")
+            sys.exit("glTF-Transform is not there: npm install --no-package-lock in this folder")
         return self.body.on_samples([np.array(frames) for frames in json.loads(answer)["frames"]])
 
     def _say(self, what: dict) -> None:
@@ -190,7 +194,7 @@ def off(a: np.ndarray, b: np.ndarray, turns: bool, length: float) -> np.ndarray:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--percent", type=float, nargs="*", default=[0.1, 0.5], help="of the rest height")
-    parser.add_argument("--frames", type=int, default=500, help="of each clip (default 500)")
+    parser.add_argument("--frames", type=int, default=300, help="of each clip (default 300)")
     parser.add_argument("--clips", default="", help="only clips with this in their name")
     asked = parser.parse_args()
     warnings.simplefilter("ignore")

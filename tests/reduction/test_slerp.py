@@ -307,10 +307,11 @@ def greedy(turns: np.ndarray, degrees: float) -> list[int]:
     return frames
 
 
-def test_a_turn_at_constant_speed_needs_two_keys() -> None:
-    angle = np.linspace(0, 100, 40)
+@pytest.mark.parametrize("frames", [40, 1500])
+def test_a_turn_at_constant_speed_needs_two_keys(frames: int) -> None:
+    angle = np.linspace(0, 100, frames)
     (track,) = tracks_of(joint_keys(one_joint(angle, ["Zrotation"]), "0.01deg"))
-    assert track.frames.tolist() == [0, 39]
+    assert track.frames.tolist() == [0, frames - 1]
 
 
 def test_rounds_of_making_up_for_each_other_spare_keys(cut: Motion, monkeypatch: pytest.MonkeyPatch) -> None:

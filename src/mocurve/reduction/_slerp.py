@@ -12,6 +12,7 @@ import numpy as np
 
 from .._jit import kernel
 
+REACH = 512  # frames that a chord may span: a long rest would cost the square of its length
 PATIENCE = 4  # frames in a row that no chord reaches before a start is given up
 HALF_TURN = 0.1  # dot of two keys with frames between: below, rounding could send the slerp the other way round
 SINGULAR = 1e-30
@@ -177,8 +178,8 @@ def chord_fits(room, i, a, j, b, first, way, y, m):
 
 @kernel
 def fewest(room, states):
-    """The fewest chords from the first frame to the last between the states (F, M, 4) that frames offer: the numbers
-    f * M + m of the chosen states, in order.
+    """The fewest chords, none over more than REACH frames, from the first frame to the last between the states
+    (F, M, 4) that frames offer: the numbers f * M + m of the chosen states, in order.
 
     Breadth first: level c holds the states that c chords reach and c - 1 do not. What a frame does not allow is left
     out, and there is always a way: state 0 of each frame counts as allowed."""
@@ -208,7 +209,7 @@ def fewest(room, states):
             a = states[i, node - i * choices]
             failed, patience = -1, PATIENCE
             j = i + 1
-            while j < count and patience > 0:
+            while j < min(count, i + REACH + 1) and patience > 0:
                 if left[j] == 0:  # paths are shortened on the way
                     root = j
                     while root < count and left[root] == 0:

@@ -82,6 +82,7 @@ def search(asked: Problem, ways: list[Way], turned: np.ndarray, placed: np.ndarr
             for step in ALONE:
                 track = _better(room, track, step)
             done.append(track)
+        progress.advance("keys of joints", len(ways), len(ways))
         return done
     scene = scene_of(asked, ways, drifts, turned, placed)
     alone = [_allowance(scene, way, 0.5 * SHELL * rest_height(asked.motion)) for way in ways]
