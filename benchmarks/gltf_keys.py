@@ -6,8 +6,8 @@ Ours holds the tolerance (planted feet like the rest). Each peer's own tolerance
 around, for the fewest keys whose largest error in space (any joint or end site, any frame, slerp as players do it) is
 not above ours: so all three move things by the same amount.
 
-resample (node; npm install --no-package-lock in this folder): a key is kept where the slerp from the last kept key to the next sample is
-off by more than the tolerance in any component.
+resample (node; npm install --no-package-lock in this folder): a key is kept where the slerp from the last kept key to
+the next sample is off by more than the tolerance in any component.
 ozz: its AnimationOptimizer by its published rule, not its code: Douglas-Peucker per track; a rotation's error is
 2 r sin(angle / 2) at r, the longest way down to an end site plus 0.1 m; keys on samples; constant tracks one key.
 
