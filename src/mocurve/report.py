@@ -2,7 +2,7 @@
 
 The page shows the numbers, the animation curve of any channel before and after with keys and tangents, both skeletons
 playing in space, the error of every joint, and what other tolerances would have given (Önder 2007, figures 4.1 to 4.5
-and 4.7).
+and 4.7); of a clip that was denoised also its noise, spectra and artefacts.
 """
 
 from __future__ import annotations
@@ -23,13 +23,14 @@ from .report_sweep import sweep_data
 
 KINDS = (".html", ".json", ".txt")
 
-SCRIPTS = ("base.js", "curves.js", "figures.js", "errors.js")  # in this order, one scope
+SCRIPTS = ("base.js", "noise.js", "curves.js", "figures.js", "errors.js")  # in this order, one scope
 
 
 def save(report: Report | tuple[Clip, Clip], path: str | PathLike[str], *, sweep: bool = True) -> None:
     """Write a report, or the comparison of two clips, as .html, .json or .txt.
 
-    sweep: the page also shows what other tolerances would give; that takes seconds, reducing the first clip again.
+    sweep: the page also shows what other tolerances would give; that takes seconds, reducing the first clip again. Not
+    where the second clip was only denoised.
 
     OptionError for another extension, or for a page of a report that was read from JSON and so has no clips to show.
 
@@ -59,6 +60,8 @@ def page(report: Report, title: str, *, sweep: bool = True) -> str:
     if not math.isfinite(report.max_error_world + (report.max_error_degrees or 0) + (report.max_error_length or 0)):
         raise OptionError("a clip has values that are not finite numbers; they cannot be drawn")
     data = page_data(report)
+    if report.noise is not None and not data["keyed"]:
+        sweep = False  # a clip that was cleaned and not reduced has no tolerance
     data["sweep"] = sweep_data(report) if sweep else None
     folder = files("mocurve") / "report_page"
     parts = {

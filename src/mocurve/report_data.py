@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import warnings
 from typing import Any
 
@@ -13,7 +12,10 @@ from .errors import MocurveError, OptionError
 from .info import unit_of
 from .keyed import KeyedMotion
 from .measure import Report, side_by_side
+from .measure_noise import Noise
 from .motion import Motion
+from .report_curves import packed, thinned
+from .report_noise import noise_data
 from .skeleton import Skeleton
 
 MOST_VALUES = 1_200_000  # of samples, and as many errors: 6.4 MB each on the page
@@ -29,32 +31,31 @@ def page_data(report: Report) -> dict[str, Any]:
     skeleton = first.skeleton
     curved = bool(report.channels)  # else the channels differ and only space is compared
     stride = max(1, -(-first.values.size // MOST_VALUES)) if curved else 1
-    samples = first.values[::stride] if curved else np.empty((0, 0))
+    before, after = thinned(first.values, second.values, stride) if curved else (np.empty((0, 0)),) * 2
+    noise = report.noise if curved else None
+    cleaned = first if isinstance(b, KeyedMotion) else second
     limits = _limits(report, first)
+    left_out = ("channels", "joints", "noise")  # the page has them in other words
     return {
-        "report": {name: value for name, value in report.to_json().items() if name not in ("channels", "joints")},
+        "report": {name: value for name, value in report.to_json().items() if name not in left_out},
         "millimetres": None if report.unit is None else report.unit * 1000,
         "guess": _guess(first) if report.unit is None else None,
         "degree_length": float(np.radians(kinematics.rest_height(first))) or 1.0,  # what a degree spans at the height
         "frame_time": first.frame_time,
         "duration": first.duration,
         "stride": stride,
-        "shown_frames": len(samples),
+        "shown_frames": len(before),
         "keyed": isinstance(b, KeyedMotion),
         "channels": _channels(report, skeleton),
-        "first_channel": _liveliest(first) if curved else 0,
-        "samples": packed(samples.T),
-        "errors": packed(_furthest(second.values - first.values, stride).T if curved else samples),
+        "first_channel": _liveliest(first, noise) if curved else 0,
+        "samples": packed(before.T),
+        "errors": packed((after - before).T),
+        "noise": None if noise is None else noise_data(noise, cleaned, second, stride),
         "keys": _keys(b) if curved and isinstance(b, KeyedMotion) else None,
         "bands": None if limits is None or not curved else [_band(row, stride) for row in limits[0]],
         "joints": _joints(report, skeleton, None if limits is None else limits[1]),
         "poses": _poses(first, second),
     }
-
-
-def packed(values: np.ndarray) -> str:
-    """Values as 32-bit floats in base64, in C order."""
-    return base64.b64encode(np.ascontiguousarray(values, "<f4").tobytes()).decode("ascii")
 
 
 # -- in call order -----------------------------------------------------------------------------------------------------
@@ -79,23 +80,17 @@ def _channels(report: Report, skeleton: Skeleton) -> list[dict[str, Any]]:
     ]
 
 
-def _liveliest(motion: Motion) -> int:
-    """What the page opens with: the rotation channel below a root that swings the longest chain the furthest."""
+def _liveliest(motion: Motion, noise: Noise | None) -> int:
+    """What the page opens with: the rotation channel below a root that swings the longest chain the furthest, one with
+    artefacts where there are any."""
     skeleton = motion.skeleton
     if not motion.frames or not skeleton.channel_count:
         return 0
     swung = motion.values.std(axis=0) * kinematics.reach(motion)[skeleton.channel_joints]
     inner = skeleton.rotation_channels & (skeleton.parents[skeleton.channel_joints] >= 0)
-    return int(np.argmax(np.where(inner, swung, -1.0)))
-
-
-def _furthest(errors: np.ndarray, stride: int) -> np.ndarray:
-    """Of each run of `stride` frames, each channel's error of largest size."""
-    if stride == 1:
-        return errors
-    starts = np.arange(0, len(errors), stride)
-    low, high = np.minimum.reduceat(errors, starts), np.maximum.reduceat(errors, starts)
-    return np.where(high > -low, high, low)
+    bad = {name for row in noise.artefacts for name in row.channels} if noise is not None else set()
+    told = inner & np.isin(skeleton.channel_names, list(bad))
+    return int(np.argmax(np.where(told if told.any() else inner, swung, -1.0)))
 
 
 def _keys(keyed: KeyedMotion) -> dict[str, str]:

@@ -39,13 +39,14 @@ function showNumbers() {
   if (data.keyed) {
     cards.push([whole(r.keys), `keys instead of ${whole(r.samples)} samples`]);
     cards.push([`1 for ${three(r.ratio)}`, `one key for so many samples; ${three(100 * r.keys / Math.max(r.samples, 1))} % are left`]);
-  } else {
+  } else if (!noise) {
     cards.push([whole(r.keys), `samples, against ${whole(r.samples)} in the first clip`]);
   }
+  if (noise) cards.push(...noiseCards());
   const world = mm === null ? [three(r.max_error_world), "units"] : [three(length(r.max_error_world)), "mm"];
   const guess = data.guess ? `; about ${three(r.max_error_world * data.guess.millimetres)} mm if the length unit is what the body's height suggests, ${data.guess.name}` : "";
-  cards.push([`${world[0]} ${world[1]}`, `is the furthest that any joint is off in space${mm === null ? guess : `; ${three(r.max_error_world)} in the file's unit`}`]);
-  if (r.max_error_degrees !== null) cards.push([`${three(r.max_error_degrees)}°`, `is the furthest that any rotation channel is off; RMS ${three(r.rms_error_degrees)}°`]);
+  cards.push([`${world[0]} ${world[1]}`, `is the furthest that any joint ${cleaning ? "was moved" : "is off"} in space${mm === null ? guess : `; ${three(r.max_error_world)} in the file's unit`}`]);
+  if (r.max_error_degrees !== null) cards.push([`${three(r.max_error_degrees)}°`, `is the furthest that any rotation channel ${cleaning ? "was moved" : "is off"}; RMS ${three(r.rms_error_degrees)}°`]);
   if (r.over_bound !== null) cards.push([`${r.over_bound.toFixed(2)}×`, `the proven least: ${whole(r.lower_bound)} keys are needed at this tolerance`]);
   for (const [number, words] of cards) {
     const card = document.createElement("div");

@@ -56,9 +56,10 @@ function showCurve(c) {
   chosen = c;
   const channel = data.channels[c], turns = channel.unit === "degrees", unit = turns ? "degrees" : "file units";
   const before = samples.subarray(c * count, (c + 1) * count), off = errors.subarray(c * count, (c + 1) * count);
-  const dots = count <= 150 ? "lines+markers" : "lines";
-  const traces = [{ x: times, y: before, mode: dots, name: data.keyed ? `${whole(data.report.frames)} samples` : "first clip", line: { color: GREY, width: 3 }, marker: { size: 5 }, hovertemplate: "%{y:.4g}" }];
-  const shown = [before];
+  const dots = count <= 150 ? "lines+markers" : "lines", raw = early && early.subarray(c * count, (c + 1) * count);
+  const traces = [], shown = [before];
+  if (raw) traces.push({ x: times, y: raw, mode: dots, name: "captured", line: { color: CAPTURED, width: 1.3 }, marker: { size: 4 }, hovertemplate: "%{y:.4g}" });
+  if (!raw || data.keyed) traces.push({ x: times, y: before, mode: dots, name: data.keyed ? `${whole(data.report.frames)} ${noise ? "clean samples" : "samples"}` : "first clip", line: { color: GREY, width: 3 }, marker: { size: 5 }, hovertemplate: "%{y:.4g}" });
   if (keys) {
     const k = keysOf(c), curve = smooth(k), handle = handles(k);
     shown.push(curve.y);
@@ -68,8 +69,10 @@ function showCurve(c) {
   } else {
     const after = before.map((y, i) => y + off[i]);
     shown.push(after);
-    traces.push({ x: times, y: after, mode: "lines", name: "second clip", line: { color: BLUE, width: 2 }, hovertemplate: "%{y:.4g}" });
+    traces.push({ x: times, y: after, mode: "lines", name: cleaning ? "clean" : "second clip", line: { color: BLUE, width: 2 }, hovertemplate: "%{y:.4g}" });
   }
+  if (noise) traces.push(...marks(c, raw || before, shown[1]));
+  if (cleaning) traces.push(...noiseBand(c));
   const allowed = data.bands && data.bands[c];
   let limits = [];
   if (allowed !== null && allowed !== undefined) {
@@ -79,15 +82,17 @@ function showCurve(c) {
     traces.push({ ...edge, y: band[1].map((y) => -y), showlegend: false });
     traces.push({ ...edge, y: band[1], fill: "tonexty", fillcolor: "rgba(18,129,104,0.10)", name: "tolerance" });
   }
-  traces.push({ x: times, y: off, mode: "lines", name: "error", yaxis: "y2", line: { color: RED, width: 1.3 }, hovertemplate: "error %{y:.3g}" });
+  traces.push({ x: times, y: off, mode: "lines", name: cleaning ? "change" : "error", yaxis: "y2", line: { color: RED, width: 1.3 }, hovertemplate: `${cleaning ? "change" : "error"} %{y:.3g}` });
   Plotly.react("curve-plot", traces, layout({
     xaxis: { title: { text: "seconds" }, zeroline: false, anchor: "y2", range: [-0.01 * data.duration, 1.01 * data.duration + 1e-6], hoverformat: ".3f" },
-    yaxis: { title: { text: unit }, domain: [0.34, 1], range: range(...shown) },
-    yaxis2: { title: { text: `error, ${unit}` }, domain: [0, 0.26], range: range(off, limits, [0]) },
-    hovermode: "x unified", dragmode: "zoom",
+    yaxis: { title: { text: unit }, domain: [0.34, 1], range: raw ? focused(shown[1], data.keyed ? raw : before) : range(...shown) },
+    yaxis2: { title: { text: `${cleaning ? "change" : "error"}, ${unit}` }, domain: [0, 0.26], range: range(cleaning ? unmasked(c, off) : off, limits, [0]) },
+    shapes: shades(c), hovermode: "x unified", dragmode: "zoom",
   }), CONFIG);
   $("curve-name").textContent = channel.name;
-  const told = [`largest error ${three(channel.max)} ${unit}, RMS ${three(channel.rms)}`];
+  const told = [`largest ${cleaning ? "change" : "error"} ${three(channel.max)} ${unit}, RMS ${three(channel.rms)}`];
+  if (noise) told.unshift(...noiseHint(c));
+  if (spectra) showSpectrum(c);
   if (channel.lower_bound) told.push(`${whole(channel.keys)} keys, at least ${whole(channel.lower_bound)} are needed`);
   if (data.bands && data.bands.every((band) => band === null)) told.push("the tolerance holds in space, so it sets no band on the channel itself");
   if (data.stride > 1) told.push(`every ${data.stride}th frame is drawn, with the largest error of those between`);
@@ -99,8 +104,10 @@ const list = $("channels"), options = [];
 function listed() {
   const words = $("search").value.toLowerCase().split(/\s+/).filter(Boolean), order = $("order").value;
   const found = data.channels.map((_, c) => c).filter((c) => words.every((w) => data.channels[c].name.toLowerCase().includes(w)));
-  const size = (c) => data.channels[c].max / (data.channels[c].unit === "degrees" ? 1 : data.degree_length);
+  const alike = (c) => (data.channels[c].unit === "degrees" ? 1 : data.degree_length);
+  const size = (c) => data.channels[c].max / alike(c), sigma = (c) => (noise.channels[c] ? noise.channels[c].sigma / alike(c) : -1);
   if (order === "error") found.sort((a, b) => size(b) - size(a));
+  if (order === "noise") found.sort((a, b) => sigma(b) - sigma(a));
   if (order === "keys") found.sort((a, b) => data.channels[b].keys - data.channels[a].keys);
   return found;
 }
@@ -119,7 +126,7 @@ function fillList() {
       list.append(head);
     }
     const option = element("li", "", { role: "option", id: `channel-${c}`, "aria-selected": String(c === chosen), title: channel.name });
-    option.append(element("span", grouped ? channel.kind : channel.name), element("span", whole(channel.keys)), element("span", `${three(channel.max)}${channel.unit === "degrees" ? "°" : " u"}`));
+    option.append(element("span", grouped ? channel.kind : channel.name), element("span", cleaning ? noiseOf(c) : whole(channel.keys)), element("span", `${three(channel.max)}${channel.unit === "degrees" ? "°" : " u"}`));
     if (grouped) option.firstChild.style.paddingLeft = `${12 + 7 * Math.min(data.joints[joint].depth, 12)}px`;
     option.addEventListener("click", () => choose(c));
     options.push(c);
@@ -154,7 +161,10 @@ function startCurves() {
     $("curves").hidden = true;
     return;
   }
-  $("keys-head").textContent = data.keyed ? "keys" : "samples";
+  $("keys-head").textContent = data.keyed ? "keys" : cleaning ? "noise" : "samples";
+  if (noise) $("order").append(element("option", "most noise", { value: "noise" }));
+  if (cleaning) $("error-head").textContent = "max change";
+  if (cleaning) for (const option of [...$("order").options]) { if (option.value === "keys") option.remove(); if (option.value === "error") option.textContent = "largest change"; }
   fillList();
   $("search").addEventListener("input", () => { fillList(); if (options.length && !options.includes(chosen)) choose(options[0]); });
   $("order").addEventListener("change", () => { fillList(); choose(chosen); });

@@ -13,7 +13,8 @@ function showJoints() {
     xaxis: { title: { text: mm === null ? "file units" : "millimetres" }, rangemode: "tozero" },
     yaxis: { tickvals: place, ticktext: names, range: [rows.length - 0.4, -0.6], tickfont: { size: 12 }, fixedrange: true },
   }), CONFIG);
-  const worst = rows.length ? `${rows[0].name} is furthest off, ${three(rows[0].max)} ${LENGTH}` : "";
+  if (cleaning) $("joints-title").textContent = "Change of each joint";
+  const worst = rows.length ? `${rows[0].name} ${cleaning ? "was moved furthest" : "is furthest off"}, ${three(rows[0].max)} ${LENGTH}` : "";
   $("joints-hint").textContent = `Distance in space between the two clips, joints and end sites, all frames, the furthest first. ${worst}.`;
 }
 
@@ -38,6 +39,7 @@ function showSweep() {
 }
 
 showNumbers();
+startNoise();
 startCurves();
 startFigures();
 showJoints();

@@ -48,7 +48,7 @@ function figureTraces(n) {
     line(ground, "scene", "#d3dae2", 1.5), line(ground, "scene2", "#d3dae2", 1.5),
     line(first.bone, "scene", BLUE, 7), line(ghost.bone, "scene2", "#e3b7b0", 9), line(second.bone, "scene2", GREEN, 6),
     { type: "scatter3d", mode: "markers", ...first.joint, scene: "scene", text: names, hovertemplate: "%{text}<extra></extra>", marker: { size: 3.2, color: BLUE }, showlegend: false },
-    { type: "scatter3d", mode: "markers", ...second.joint, scene: "scene2", text: names, customdata: off, hovertemplate: `%{text}: %{customdata:.3g} ${LENGTH} off<extra></extra>`, marker: { size: 3.6, color: off, cmin: 0, cmax: Math.max(length(data.report.max_error_world), 1e-9), colorscale: [[0, GREEN], [0.5, ORANGE], [1, RED]], showscale: true, colorbar: { orientation: "h", title: { text: `error of the joints, ${LENGTH}`, side: "top", font: { size: 12 } }, thickness: 8, len: 0.4, x: 0.753, xanchor: "center", y: 0, yanchor: "top", ypad: 4, tickfont: { size: 11 }, outlinewidth: 0 } }, showlegend: false },
+    { type: "scatter3d", mode: "markers", ...second.joint, scene: "scene2", text: names, customdata: off, hovertemplate: `%{text}: %{customdata:.3g} ${LENGTH} off<extra></extra>`, marker: { size: 3.6, color: off, cmin: 0, cmax: Math.max(length(data.report.max_error_world), 1e-9), colorscale: [[0, GREEN], [0.5, ORANGE], [1, RED]], showscale: true, colorbar: { orientation: "h", title: { text: `${cleaning ? "change" : "error"} of the joints, ${LENGTH}`, side: "top", font: { size: 12 } }, thickness: 8, len: 0.4, x: 0.753, xanchor: "center", y: 0, yanchor: "top", ypad: 4, tickfont: { size: 11 }, outlinewidth: 0 } }, showlegend: false },
   ];
 }
 
@@ -65,7 +65,7 @@ const CAMERA = { eye: { x: 1.15, y: -1.7, z: 0.5 }, center: { x: 0, y: 0, z: -0.
 
 function drawFigures() {
   const label = (text, x) => ({ text, x, y: 1.0, xref: "paper", yref: "paper", yanchor: "bottom", showarrow: false, font: { size: 14 } });
-  const titles = data.keyed ? ["original", "from the keys"] : ["first clip", "second clip"];
+  const titles = data.keyed ? [noise ? "clean" : "original", "from the keys"] : cleaning ? ["captured", "clean"] : ["first clip", "second clip"];
   return Plotly.react("figures", figureTraces(frame), layout({
     margin: { l: 0, r: 0, t: 26, b: 46 }, annotations: [label(titles[0], 0.247), label(titles[1], 0.753)],
     scene: sceneLayout({ x: [0, 0.495], y: [0, 1] }, camera()), scene2: sceneLayout({ x: [0.505, 1], y: [0, 1] }, camera()),
