@@ -55,6 +55,8 @@ def with_options_of(verb: Callable[..., Any]) -> Callable[[Callable[..., None]],
 
 def _typed(hint: Any) -> Any:
     """One text or several becomes a list: on the command line the option is repeated."""
+    if hint == str | Sequence[str] | None:
+        return list[str] | None
     return list[str] if hint in (str | Sequence[str], str | list[str]) else hint
 
 

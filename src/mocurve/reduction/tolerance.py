@@ -2,9 +2,9 @@
 
 A rule is "[name][@start..end]=amount": "2mm", "0.1%height", "LeftHand=0.5mm", "@1.2..2.0=0.2mm",
 "LeftKnee.Xrotation=0.1deg". Later rules win over earlier ones of the same kind. Amounts in mm, cm, m, in, ft, u (file
-units) and %height bound how far joints and end sites move in the world; amounts in deg and %range bound the channels'
-own values. Both kinds may be asked at once: ["2mm", "5deg"] moves nothing by more than 2 mm and turns nothing by more
-than 5 degrees.
+units) and %height bound how far joints and end sites move in the world; amounts in deg, %range and sigma (of the noise
+that denoising found in the channel) bound the channels' own values. Both kinds may be asked at once: ["2mm", "5deg"]
+moves nothing by more than 2 mm and turns nothing by more than 5 degrees.
 """
 
 from __future__ import annotations
@@ -23,9 +23,11 @@ from ..motion import Motion
 from ..skeleton import matching
 
 DEFAULT = "0.1%height"
+OF_NOISE = "0.3sigma"  # where the clip was denoised: closer would follow what is left of the noise
+LEAST_SIGMA = 0.05  # degrees: for a channel that has next to no noise, so that it does not get a key every frame
 METRES = {"mm": 0.001, "cm": 0.01, "m": 1.0, "in": 0.0254, "inch": 0.0254, "ft": 0.3048}
 WORLD_UNITS = (*METRES, "u", "%height")
-CHANNEL_UNITS = ("deg", "%range")
+CHANNEL_UNITS = ("deg", "%range", "sigma")
 
 _RULE = re.compile(r"(?:(?P<name>[^@]*?)(?:@(?P<start>[^@]*?)\.\.(?P<end>[^@]*))?=)?(?P<amount>[^=]+)", re.DOTALL)
 _AMOUNT = re.compile(r"\s*(?P<number>[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(?P<unit>%?\s*[A-Za-z]+)\s*")
@@ -111,10 +113,25 @@ def length(rule: Rule, motion: Motion) -> float:
 def _channel_amount(rule: Rule, motion: Motion, channel: int) -> float:
     if rule.unit == "%range":
         return rule.amount / 100.0 * float(np.ptp(motion.values[:, channel])) if motion.frames else 0.0
+    if rule.unit == "sigma":
+        return rule.amount * _sigma(motion, channel)
     if motion.skeleton.rotation_channels[channel]:
         return rule.amount
     # what the angle spans at one rest height; a body without height has no lever to speak of
     return float(np.radians(rule.amount)) * (rest_height(motion) or 1.0)
+
+
+def _sigma(motion: Motion, channel: int) -> float:
+    """Noise of a channel: what denoising found, that of its like where it did not look, at least LEAST_SIGMA."""
+    noise = None if motion.report is None else motion.report.noise
+    if noise is None:
+        raise OptionError("a tolerance in sigma is a part of the noise, which nobody measured: reduce with denoise")
+    name, turns = motion.skeleton.channel_names[channel], motion.skeleton.rotation_channels[channel]
+    alike = [row for row in noise.channels if (row.unit == "degrees") == turns]
+    usual = float(np.median([row.sigma for row in alike])) if alike else 0.0
+    sigma = next((row.sigma for row in alike if row.name == name), usual)
+    least = LEAST_SIGMA if turns else float(np.radians(LEAST_SIGMA)) * (rest_height(motion) or 1.0)
+    return max(sigma, least)
 
 
 def _chosen(rule: Rule, names: Sequence[str], owners: Sequence[str], kind: str) -> list[int]:

@@ -14,12 +14,12 @@ from .. import progress
 from ..errors import Mismatch, OptionError
 from ..keyed import KeyedMotion
 from ..measure import compare
-from ..motion import Clip
+from ..motion import Clip, Motion
 from . import dynamic, split, world
 from .bound import lower_bound
 from .keys import Keys
 from .problem import Problem, curves, held, known, problem
-from .tolerance import DEFAULT, parse
+from .tolerance import DEFAULT, OF_NOISE, parse
 
 
 class Method(NamedTuple):
@@ -34,12 +34,13 @@ class Method(NamedTuple):
 def reduce(
     clip: Clip,
     *,
-    tolerance: str | Sequence[str] = DEFAULT,
+    tolerance: str | Sequence[str] | None = None,
     method: str = "optimal",
     align: str = "channel",
     quality: str = "default",
     feet: float = 0.25,
     ratio: float | None = None,
+    denoise: bool = False,
 ) -> KeyedMotion:
     """Few Hermite keys instead of a sample at every frame; nothing moves more than the tolerance, which is checked.
 
@@ -50,7 +51,8 @@ def reduce(
     tolerance
         How far anything may move: in space 2mm 0.2cm 0.05in 0.1%height 0.35u (u: file units), or of each channel's
         value 0.5deg 0.5%range. For a joint or channel, or from one second to another: LeftHand=0.5mm,
-        LeftHand@1.2..2.0=0.2mm. Several hold together: 2mm and 5deg bound the twist too.
+        LeftHand@1.2..2.0=0.2mm. Several hold together: 2mm and 5deg bound the twist too. None: 0.1%height, and with
+        denoise 0.3sigma, a part of each channel's noise.
     method
         optimal (fewest keys), split (Lowe, after Önder), dynamic (Önder's dynamic programming), linear (straight
         segments).
@@ -63,6 +65,9 @@ def reduce(
     ratio
         The thesis's own threshold for method split, height over base in frames and degrees (0.001 to 0.1): it replaces
         the tolerance and promises nothing.
+    denoise
+        Take noise, spikes and dropouts out first (as the verb denoise does), and hold the tolerance against what is
+        left.
 
     Returns a KeyedMotion whose `report` tells keys, errors, time and the proven lower bound. Errors: OptionError for
     an option's value, UnknownName for a joint, Mismatch for samples that are no numbers.
@@ -76,8 +81,14 @@ def reduce(
     started = perf_counter()
     known("method", method, METHODS)
     known("quality", quality, QUALITIES)
+    if tolerance is None:
+        tolerance = OF_NOISE if denoise else DEFAULT
     parse(tolerance)  # refused before work is done
     texts = [tolerance] if isinstance(tolerance, str) else list(tolerance)
+    if denoise:
+        from ..denoising import denoise as freed_of_noise
+
+        clip = freed_of_noise(clip)
     step = {"verb": "reduce", "tolerance": texts, "method": method, "align": align, "quality": quality, "feet": feet}
     if ratio is not None:
         return _by_ratio(clip, ratio, step, started)
@@ -89,6 +100,8 @@ def reduce(
     elif asked.limits.joints is None:
         tubes = asked.bands()
         keys = _side_by_side(lambda tube: world.group_keys(*tube, solve, quality), tubes, "reducing")
+        if denoise:  # as near to the clean curve as these keys can be
+            keys = [_polished(*each) for each in zip(held(asked, keys), tubes, strict=True)]
     else:
         keys, tubes = world.fit(asked.motion, asked.groups, asked.limits, solve, again, quality)
     return _reported(clip, asked, held(asked, keys), tubes, step, started)
@@ -159,6 +172,7 @@ def _reported(
     told = replace(
         report,
         clips=(clip, made),
+        noise=getattr(clip.report, "noise", None) if isinstance(clip, Motion) else None,
         channels=_with_tolerance(channels, asked.limits.channels),
         joints=_with_tolerance(report.joints, asked.limits.joints),
         lower_bound=sum(of_channel.values()) if of_channel else None,
