@@ -97,7 +97,8 @@ class Noise:
         ]
         longest = sorted(self.artefacts, key=lambda row: (-row.frames, row.first))[:count]
         step = None if self.captured is None else self.captured.frame_time
-        told = [[_where(row), row.kind, _span(row.first, row.last), _seconds(row, step)] for row in longest]
+        units = {row.name: row.unit for row in self.channels}
+        told = [[_where(row), _what(row, units), _span(row.first, row.last), _seconds(row, step)] for row in longest]
         return table(["noisiest channels", "sigma", "halved at"], cells) + table(
             ["longest artefacts", "kind", "frames", "seconds"], told
         )
@@ -162,6 +163,10 @@ def _count(number: int, name: str) -> str:
 def _where(row: Artefact) -> str:
     """The joint and the kinds of its channels: "Hips Xposition Yposition"."""
     return " ".join([row.joint, *(name.removeprefix(f"{row.joint}.") for name in row.channels)])
+
+
+def _what(row: Artefact, units: dict[str, str]) -> str:
+    return row.kind if row.by is None else f"{row.kind} by {row.by:.3g} {units.get(row.channels[0], '')}".rstrip()
 
 
 def _span(first: int, last: int) -> str:
