@@ -81,10 +81,14 @@ def clean(
             fit, _ = smoothing.fit(y, w, smoothing.strength(y, w, pools, strength))
             frozen = artefacts.believed(frozen, y, fit, groups)
         filled = bridged(y, lost | frozen)
-        raised = steps.offsets(filled, artefacts.noise_level(filled), body.sharpest, body.leap, artefacts.GAP)
+        displaced = steps.offsets(filled, artefacts.noise_level(filled), body.sharpest, body.leap, artefacts.GAP)
+        raised = [part for part in displaced if part.last - part.first > artefacts.GAP]
         for channel, first, last, by in raised:
             y[channel, first:last] -= by
-        bad, near = _found(y, lost | frozen, groups, pools, body, turns, strength, fps)
+        leapt = np.zeros_like(lost)  # a few frames at an end of the clip: smoothing fills them in better
+        for channel, first, last, _ in set(displaced).difference(raised):
+            leapt[channel, first:last] = True
+        bad, near = _found(y, lost | frozen | leapt, groups, pools, body, turns, strength, fps)
     else:
         bad = np.ascontiguousarray(known.T) | lost
         frozen &= bad

@@ -24,7 +24,7 @@ class Offset(NamedTuple):
 
 
 def offsets(y: np.ndarray, sigma: np.ndarray, sharpest: np.ndarray, leap: np.ndarray, shortest: int) -> list[Offset]:
-    """Displaced parts of the channels y (C, n), of over `shortest` frames.
+    """Displaced parts of the channels y (C, n), of over `shortest` frames, or of few at an end of the clip.
 
     sharpest (C,): a leap that no motion makes; leap (C,): one worth a look where it is unusual for the channel."""
     found: list[Offset] = []
