@@ -2,12 +2,11 @@
 
 import base64
 import json
-import os
-import shutil
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from visits import Visit
 
 import mocurve as mc
 from mocurve import report, report_data
@@ -141,37 +140,6 @@ def test_a_clip_of_a_few_frames_has_no_sweep():
 
 
 # -- in Chromium -------------------------------------------------------------------------------------------------------
-
-
-@pytest.fixture(scope="module")
-def browser():
-    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-    path = os.environ.get("MOCURVE_CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
-    if path is None:
-        pytest.skip("no chromium on the path; MOCURVE_CHROMIUM names one")
-    with playwright.sync_playwright() as running:
-        opened = running.chromium.launch(executable_path=path, args=["--no-sandbox", "--enable-unsafe-swiftshader"])
-        yield opened
-        opened.close()
-
-
-class Visit:
-    """A page opened from its file, with all that it said and asked for."""
-
-    def __init__(self, browser, path, size=(1280, 800)):
-        self.page = browser.new_page(viewport={"width": size[0], "height": size[1]})
-        self.errors, self.requests, self.dialogs = [], [], []
-        self.page.on("console", lambda said: said.type == "error" and self.errors.append(said.text))
-        self.page.on("pageerror", lambda error: self.errors.append(str(error)))
-        self.page.on("request", lambda request: self.requests.append(request.url))
-        self.page.on("dialog", lambda dialog: (self.dialogs.append(dialog.message), dialog.dismiss()))
-        self.page.goto(path.as_uri())
-        self.page.wait_for_function("document.querySelector('#joint-plot .plot-container') !== null")
-
-    def trace(self, name):
-        """Times and values of a trace of the curve plot."""
-        script = "name => { const t = document.getElementById('curve-plot').data.find(t => t.name === name);"
-        return np.array(self.page.evaluate(script + " return [[...t.x], [...t.y]] }", name))
 
 
 @pytest.fixture(scope="module")
