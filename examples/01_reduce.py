@@ -18,7 +18,7 @@ keys = mc.reduce(motion)  # no joint moves more than 0.1 % of the body's height
 print(keys)
 
 mc.write("reduced.curves.json", keys)  # the keys themselves
-mc.write("reduced.bvh", keys)  # samples again, for any other program
+mc.write("reduced.bvh", keys.sample())  # samples again, for any other program
 
 back = mc.read("reduced.curves.json")
 print(f"{back.keys} keys read back: {back.keys / back.frames:.1f} a frame, where {len(back.curves)} numbers were")

@@ -116,7 +116,7 @@ class Skeleton:
 
 
 def matching(name: str, names: Sequence[str], owners: Sequence[str], kind: str) -> list[int]:
-    """Places of the names that are, or belong to, what `name` says; * stands for anything. UnknownName where none is."""
+    """Places of the names that are, or belong to, what `name` says, * for anything; UnknownName where none is."""
     places = [
         i
         for i, (own, owner) in enumerate(zip(names, owners, strict=True))

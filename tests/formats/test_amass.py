@@ -175,7 +175,8 @@ def test_keys_are_sampled_and_lengths_become_metres(tmp_path):
     motion = replace(read(tmp_path / "a.npz"), values=np.tile(np.arange(69.0), (3, 1)))
     inches = replace(motion, skeleton=replace(motion.skeleton, unit=0.0254))
     curves = tuple(mc.HermiteCurve([0.0], [value], [0.0]) for value in inches.values[0])
-    write(tmp_path / "b.npz", mc.KeyedMotion(inches.skeleton, curves, 1 / 60, 3))
+    with pytest.warns(UserWarning, match="keys become samples"):
+        write(tmp_path / "b.npz", mc.KeyedMotion(inches.skeleton, curves, 1 / 60, 3))
     assert read(tmp_path / "b.npz").values[2, :3].tolist() == [0, 0.0254, 0.0508]
 
 

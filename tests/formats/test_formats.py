@@ -40,7 +40,7 @@ def test_a_format_of_one_clip_refuses_several(tmp_path, keys):
 @pytest.mark.parametrize("extension", [".bvh", ".curves.json", ".npz"])
 def test_formats_of_all_channels_give_back_the_samples_of_keys(tmp_path, keys, extension):
     path = tmp_path / f"A B{extension.upper()}"
-    mc.write(str(path), keys, lossless=True)
+    mc.write(str(path), keys if extension == ".curves.json" else keys.sample(), lossless=True)
     back = mc.read(path)
     assert back.sample().values.tobytes() == keys.sample().values.tobytes()
     assert back.frame_time == keys.frame_time

@@ -229,7 +229,7 @@ def test_where_the_clip_stands_changes_little(cut: Motion, astray: Astray) -> No
 
 def test_a_file_written_with_six_decimals_keeps_the_promise(cut: Motion, astray: Astray, tmp_path: Path) -> None:
     keys = mc.reduce(cut, tolerance="0.1%height")
-    mc.write(tmp_path / "out.bvh", keys)
+    mc.write(tmp_path / "out.bvh", keys.sample())
     again = mc.read(tmp_path / "out.bvh")
     flat = partial(mc.HermiteCurve, np.arange(cut.frames) * cut.frame_time)
     sampled = replace(keys, curves=tuple(flat(column, np.zeros(cut.frames)) for column in again.values.T))

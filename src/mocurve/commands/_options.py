@@ -14,7 +14,14 @@ from cyclopts import Parameter
 
 from ..errors import OptionError
 
-Source = Annotated[Path, Parameter(help="A clip: .bvh .npz, or keys: .curves.json")]
+_ONLY_TYPED = ("Clip", "Motion", "KeyedMotion")  # nouns in the signatures of read and write
+
+Source = Annotated[
+    Path, Parameter(help="A clip: .bvh .glb .npz .c3d .asf+.amc, or keys: .curves.json (all: mocurve convert --help)")
+]
+Profile = Annotated[
+    str | None, Parameter(help="How, where a format knows several ways; mocurve convert --help tells them.")
+]
 Json = Annotated[bool, Parameter(show_default=False, help="Print one JSON object and nothing else.")]
 Html = Annotated[Path | None, Parameter(help="Write a page to look at here (one file, works without a network).")]
 Unit = Annotated[
@@ -25,22 +32,12 @@ Unit = Annotated[
 ]
 
 
-def with_options_of(verb: Callable[..., Any]) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """Give a command the keyword-only options of a verb in place of its own **options: names, types, defaults and help.
+def with_options_of(*verbs: Callable[..., Any]) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Give a command the keyword-only options of verbs in place of its own **options: names, types, defaults and help.
 
     The help of an option is what the verb's docstring says after its name.
     """
-    hints, told = get_type_hints(verb), _told(verb.__doc__ or "")
-    taken = [
-        option.replace(
-            annotation=Annotated[
-                _typed(hints[option.name]),
-                Parameter(help=told[option.name], show_default=option.default not in (None, False, ())),
-            ]
-        )
-        for option in inspect.signature(verb).parameters.values()
-        if option.kind is option.KEYWORD_ONLY
-    ]
+    taken = [option for verb in verbs for option in _options(verb)]
 
     def give(command: Callable[..., None]) -> Callable[..., None]:
         own = get_type_hints(command, include_extras=True)
@@ -53,10 +50,32 @@ def with_options_of(verb: Callable[..., Any]) -> Callable[[Callable[..., None]],
     return give
 
 
+def _options(verb: Callable[..., Any]) -> list[inspect.Parameter]:
+    # what the type checker alone imports need not be loaded: only the hints of options are looked at
+    names = {**vars(inspect.getmodule(verb)), **dict.fromkeys(_ONLY_TYPED, Any)}
+    hints, told = get_type_hints(verb, names), _told(verb.__doc__ or "")
+    options = []
+    for option in inspect.signature(verb).parameters.values():
+        if option.kind is option.KEYWORD_ONLY:
+            off = f"--no-{option.name}" if option.default is True else None
+            given = Parameter(help=told[option.name], negative=off)
+            options.append(option.replace(annotation=Annotated[_typed(hints[option.name]), given]))
+    return options
+
+
+def split_options(options: dict[str, Any], *verbs: Callable[..., Any]) -> list[dict[str, Any]]:
+    """The options of each verb, out of those that a command got."""
+    return [{name: options[name] for name in inspect.signature(verb).parameters if name in options} for verb in verbs]
+
+
 def _typed(hint: Any) -> Any:
     """One text or several becomes a list: on the command line the option is repeated."""
     if hint == str | Sequence[str] | None:
         return list[str] | None
+    if hint == str | os.PathLike[str] | None:
+        return Path | None
+    if hint == str | float | None:
+        return str | None
     return list[str] if hint in (str | Sequence[str], str | list[str]) else hint
 
 

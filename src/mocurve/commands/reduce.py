@@ -10,13 +10,15 @@ from cyclopts import Parameter
 from .. import reduction
 from ..errors import UnknownName
 from ..formats import FORMATS, read, write
-from ._options import Html, Json, Source, Unit, check_outputs, tell, with_options_of
+from ._options import Html, Json, Profile, Source, Unit, check_outputs, tell, with_options_of
 from ._terminal import told_when_compiling
 
 Output = Annotated[
     Path | None,
     Parameter(
-        name=("--output", "-o"), help="Where the result goes: .curves.json keeps the keys; .bvh .csv .npz get samples."
+        name=("--output", "-o"),
+        help="Where the result goes: .curves.json keeps the keys, .blend.py .glb .usda .ma carry them on, others get "
+        "samples.",
     ),
 ]
 
@@ -28,6 +30,7 @@ def reduce(
     /,
     *,
     output: Output = None,
+    profile: Profile = None,
     html: Html = None,
     unit: Unit = None,
     json: Json = False,
@@ -43,9 +46,11 @@ def reduce(
       LeftHand=0.5mm         only this joint (or LeftArm.Xrotation=0.1deg)
       @1.2..2.0=0.2mm        only from second 1.2 to second 2.0
       LeftHand@1..2=0.2mm    both
+      0.3sigma               a part of each channel's noise (with --denoise)
 
     For example:
       mocurve reduce jump.bvh -o jump.curves.json --html jump.html
+      mocurve reduce jump.bvh -o jump.glb --profile linear --tolerance 5mm
       mocurve reduce jump.bvh -o small.bvh --tolerance 2mm --tolerance '*Hand=0.5mm'
     """
     check_outputs(file, output, html)
@@ -55,7 +60,7 @@ def reduce(
     keys = reduction.reduce(clip, **options)
     assert keys.report is not None  # reduce always measures
     if output is not None:
-        write(output, keys)
+        write(output, keys, profile=profile)
     if html is not None:
         keys.report.save(html)
     tell(keys.report, json, output, html)

@@ -1,12 +1,13 @@
 """Files: one module a format, each with `read(path, ...)` and `write(path, clip, ...)`.
 
 A format takes only the options that its own two functions name; `PROFILES`, where a module has them, are the ways that
-it can be written, the first by default.
+it can be written, the first by default; OF_SAMPLES tells that keys are lost, SEVERAL that it holds several clips.
 """
 
 from __future__ import annotations
 
 import inspect
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from importlib import import_module
@@ -50,11 +51,11 @@ def read(
     Parameters
     ----------
     unit
-        What one length unit is: mm, cm, m, in, ft or metres as a number; None keeps what the file says.
+        What one length unit is: mm, cm, m, in, ft or metres as a number; by default what the file says.
     skeleton
         File that holds the body where the clip's own file has only the motion: x.asf for x.amc.
     animation
-        Which animation of a file that holds several, by name; None is the first.
+        Which animation of a file that holds several, by name; by default the first.
 
     OptionError for an extension, a unit or an option that the format does not know, FileError for a file that cannot be
     read.
@@ -84,10 +85,10 @@ def write(
     profile
         How, where a format knows several ways; `mocurve convert --help` tells them.
     tolerance
-        How far a profile that chooses keys of its own may leave the clip (as of `reduce`); None: what the clip was
+        How far a profile that chooses keys of its own may leave the clip (as of `reduce`); by default what the clip was
         reduced with, else the default of `reduce`.
     mesh
-        False: leave out the figure that viewers show around the bones.
+        Put a figure of octahedra around the bones, so that every viewer shows something (.glb, .gltf).
     lossless
         Numbers with all their digits, where the format otherwise rounds (BVH, CSV: six decimals).
 
@@ -105,6 +106,8 @@ def write(
         raise UnknownName(f"profile of {extension}", profile, form.PROFILES)
     if isinstance(clip, Mapping) and not getattr(form, "SEVERAL", False):
         raise OptionError(f"a {extension} file holds one clip; write {len(clip)} files")
+    if getattr(form, "OF_SAMPLES", False) and hasattr(clip, "curves"):
+        warnings.warn(f"keys become samples: {extension} files have one at every frame", stacklevel=2)
     form.write(path, clip, **taken)
 
 

@@ -13,6 +13,8 @@ from ._files import Path, encoded, opened, replacing
 from ._frame_time import snapped, written
 from ._text import table
 
+OF_SAMPLES = True
+
 
 def read(path: Path) -> Motion:
     """The motion in a BVH file, its numbers bit for bit and its channels in the order of the file.

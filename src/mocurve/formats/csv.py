@@ -26,6 +26,9 @@ _KINDS = {kind.lower(): kind for kind in CHANNEL_KINDS}
 _UNTIMED = 1 / 30
 
 
+OF_SAMPLES = True
+
+
 def read(path: Path, *, skeleton: Path | None = None) -> Motion:
     """A table with the columns time and "Hips.Xrotation" (channels) or "LASI.X", "LASI:X", "LASI_X" (markers).
 

@@ -26,6 +26,7 @@ PROFILES = {
     "amass": "poses of SMPL joints as axis-angle, metres; the body is not in it",
 }
 VERSION = 1
+OF_SAMPLES = True
 _POSES = {"poses": ("f", 2), "trans": ("f", 2)}  # AMASS
 _RATES = ("mocap_framerate", "mocap_frame_rate")
 _KINDS = {  # member: allowed NumPy kinds, dimensions
