@@ -48,7 +48,8 @@ def denoise(
     limit
         Frequency in Hz above which nothing is motion; it is taken out whatever the data say.
     only
-        Joints or channels to clean, * stands for anything: LeftHand, *Arm, Hips.Yposition. Others stay as they are.
+        Joints or channels to clean, * stands for anything: LeftHand, *Arm, Hips.Yposition. Others stay as they are, but
+        the rotations of one joint are written without jumps together.
     mark
         Tell the frames that are no motion, but keep them (gaps are filled all the same).
     drop_t_pose
@@ -64,37 +65,32 @@ def denoise(
     """
     _check(strength, limit, clip.frame_time)
     motion = clip.sample()
-    dropped = int(drop_t_pose and first_frame_is_t_pose(motion))
-    motion = motion[dropped:]
-    chosen = _chosen(motion, [only] if isinstance(only, str) else list(only))
-    captured = _unrolled(motion, chosen)
-    step = {"verb": "denoise", "strength": strength, "limit": limit, "only": only, "mark": mark}
+    _check_values(motion)
+    dropped = int(drop_t_pose and first_frame_is_t_pose(replace(motion, values=_filled(motion.values))))
+    names = [only] if isinstance(only, str) else list(only)
+    chosen = _chosen(motion, names)
+    captured = _unrolled(motion[dropped:], chosen)
+    live, few = _live(captured, chosen)
     values = np.array(captured.values, order="F")
-    told: tuple[list[ChannelNoise], list[Artefact], int] = ([], [], 0)
-    live = np.flatnonzero(_live(captured, chosen))
+    values[:, few] = _filled(values[:, few])
+    missing = np.isnan(captured.values[:, few])
+    rows: list[ChannelNoise] = []
+    artefacts, samples = _artefacts(captured.skeleton, few, {"lost": missing}), missing.sum()
     if len(live):
-        body = captured.skeleton
-        groups, pools = _groups(body, live), _pools(body, live)
-        limits = Body.of_degrees(len(live), 1 / captured.frame_time)
-        limits = limits.in_lengths(~body.rotation_channels[live], _metres(captured))
-        data = captured.values[:, live]
-        turns = _turns(captured, live, groups)
-        options = {"pools": pools, "body": limits, "turns": turns, "strength": strength, "limit": limit}
-        cleaned = clean(data, 1 / captured.frame_time, groups, **options)  # type: ignore[arg-type]
-        kept = cleaned.masked & ~cleaned.lost if mark else np.zeros(cleaned.masked.shape, bool)
-        for channel, first, last, by in cleaned.offsets if mark else ():
-            cleaned.values[first:last, channel] += by
-        values[:, live] = np.where(kept, data, cleaned.values)
-        told = (
-            _channels(body, live, cleaned, captured.frame_time),
-            _artefacts(body, live, cleaned),
-            cleaned.masked.sum(),
-        )
-    values = _few_filled(values, captured)
-    made = replace(captured, values=values, history=(*clip.history, {**step, "drop_t_pose": drop_t_pose}), report=None)
-    before = replace(captured, values=np.where(np.isfinite(captured.values), captured.values, values), report=None)
-    report = compare(before, made)
-    noise = Noise(tuple(told[0]), tuple(told[1]), int(told[2]), mark, dropped, before)
+        found = _cleaned(captured, live, strength, limit)
+        values[:, live] = _marked(captured.values[:, live], found) if mark else found.values
+        rows = _channels(captured.skeleton, live, found, captured.frame_time)
+        plain = found.masked & ~found.lost & ~found.frozen
+        kinds = {"lost": found.lost, "frozen": found.frozen, "run": plain}
+        artefacts += _artefacts(captured.skeleton, live, kinds) + _offsets(captured.skeleton, live, found)
+        samples += found.masked.sum()
+    artefacts.sort(key=lambda row: (row.first, row.joint))
+    step = {"strength": strength, "limit": limit, "only": only if isinstance(only, str) else names}
+    step |= {"mark": mark, "drop_t_pose": drop_t_pose}
+    made = replace(captured, values=values, history=(*clip.history, {"verb": "denoise", **step}), report=None)
+    before = replace(captured, values=np.where(np.isnan(captured.values), values, captured.values), report=None)
+    report = compare(*(replace(one, values=np.nan_to_num(one.values)) for one in (before, made)))
+    noise = Noise(tuple(rows), tuple(artefacts), int(samples), mark, dropped, before)
     return replace(made, report=replace(report, clips=(before, made), noise=noise))
 
 
@@ -106,6 +102,19 @@ def _check(strength: float, limit: float | None, frame_time: float) -> None:
         raise OptionError(f"strength is a number from 0.5 to 4, 1 is what the data ask for, not {strength!r}")
     if limit is not None and not (isinstance(limit, int | float) and 0 < limit < 0.5 / frame_time):
         raise OptionError(f"limit is a frequency in Hz below {0.5 / frame_time:g}, half the frame rate, not {limit!r}")
+
+
+def _check_values(motion: Motion) -> None:
+    bad = ~(np.abs(motion.values) <= LARGEST) & ~np.isnan(motion.values)
+    if bad.any():
+        frame, channel = np.argwhere(bad)[0]
+        name, value = motion.skeleton.channel_names[channel], motion.values[frame, channel]
+        raise Mismatch(f"channel {name!r} has the value {value} at frame {frame}: that is no motion")
+
+
+def _filled(values: np.ndarray) -> np.ndarray:
+    """(F, C) with straight lines over missing samples; a channel without any other stays."""
+    return bridged(values.T, np.isnan(values.T)).T
 
 
 def _chosen(motion: Motion, names: Sequence[str]) -> np.ndarray:
@@ -121,11 +130,6 @@ def _chosen(motion: Motion, names: Sequence[str]) -> np.ndarray:
 def _unrolled(motion: Motion, chosen: np.ndarray) -> Motion:
     """The rotations of joints with a chosen channel without jumps of notation, looking past missing samples."""
     values = np.array(motion.values, order="F")
-    bad = ~(np.abs(values) <= LARGEST) & ~np.isnan(values)
-    if bad.any():
-        frame, channel = np.argwhere(bad)[0]
-        name, value = motion.skeleton.channel_names[channel], values[frame, channel]
-        raise Mismatch(f"channel {name!r} has the value {value} at frame {frame}: that is no motion")
     first = 0
     for kinds in motion.skeleton.channels:
         turning = [first + i for i, kind in enumerate(kinds) if kind.endswith("rotation")]
@@ -137,17 +141,26 @@ def _unrolled(motion: Motion, chosen: np.ndarray) -> Motion:
     return replace(motion, values=values)
 
 
-def _live(motion: Motion, chosen: np.ndarray) -> np.ndarray:
-    """(C,) chosen channels that move and have enough samples to tell noise from motion."""
+def _live(motion: Motion, chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Chosen channels that move and have enough samples to tell noise from motion; others that have gaps."""
     values = motion.values
     if not motion.frames:
-        return np.zeros(values.shape[1], bool)
+        return np.zeros(0, int), np.zeros(0, int)
     there = np.isfinite(values)
     for channel in np.flatnonzero(chosen & ~there.any(0)):
         warnings.warn(f"{motion.skeleton.channel_names[channel]} has no sample at all and stays empty", stacklevel=3)
     low = np.where(there, values, np.inf).min(0)
     high = np.where(there, values, -np.inf).max(0)
-    return chosen & (there.sum(0) >= SHORTEST) & (high > low)
+    live = chosen & (there.sum(0) >= SHORTEST) & (high > low)
+    return np.flatnonzero(live), np.flatnonzero(chosen & ~live & there.any(0) & ~there.all(0))
+
+
+def _cleaned(motion: Motion, live: np.ndarray, strength: float, limit: float | None) -> Cleaned:
+    body, fps = motion.skeleton, 1 / motion.frame_time
+    groups, pools = _groups(body, live), _pools(body, live)
+    limits = Body.of_degrees(len(live), fps).in_lengths(~body.rotation_channels[live], _metres(motion))
+    data, turns = motion.values[:, live], _turns(motion, live, groups)
+    return clean(data, fps, groups, pools=pools, body=limits, turns=turns, strength=strength, limit=limit)
 
 
 def _groups(skeleton: Skeleton, live: np.ndarray) -> list[np.ndarray]:
@@ -163,7 +176,7 @@ def _pools(skeleton: Skeleton, live: np.ndarray) -> list[np.ndarray]:
 
 def _turns(motion: Motion, live: np.ndarray, groups: list[np.ndarray]) -> np.ndarray:
     """(groups, F) second difference of the rotation of a group's joint, degrees; -1 for positions."""
-    body, values = motion.skeleton, bridged(motion.values.T, ~np.isfinite(motion.values.T))
+    body, values = motion.skeleton, _filled(motion.values)
     turns = np.full((len(groups), motion.frames), -1.0)
     for group, turn in zip(groups, turns, strict=True):
         joint = body.channel_joints[live[group[0]]]
@@ -171,7 +184,7 @@ def _turns(motion: Motion, live: np.ndarray, groups: list[np.ndarray]) -> np.nda
         if not body.rotation_channels[live[group[0]]]:
             continue
         order = "".join("XYZ"[axis] for axis in body.channel_axes[turning])
-        q = rotation.from_euler(values[turning].T, order)
+        q = rotation.from_euler(values[:, turning], order)
         steps = rotation.log(rotation.mul(rotation.inv(q[:-1]), q[1:]))
         turn[:] = 0.0
         turn[1:-1] = np.degrees(np.linalg.norm(np.diff(steps, axis=0), axis=1))
@@ -185,6 +198,14 @@ def _metres(motion: Motion) -> float | None:
         return None
 
 
+def _marked(captured: np.ndarray, found: Cleaned) -> np.ndarray:
+    """The clean values (F, C) with the artefacts as they were; gaps are filled all the same."""
+    values = found.values.copy()
+    for channel, first, last, by in found.offsets:
+        values[first:last, channel] += by
+    return np.where(found.masked & ~found.lost, captured, values)
+
+
 def _channels(skeleton: Skeleton, live: np.ndarray, found: Cleaned, frame_time: float) -> list[ChannelNoise]:
     rows = []
     for place, channel in enumerate(live):
@@ -195,32 +216,21 @@ def _channels(skeleton: Skeleton, live: np.ndarray, found: Cleaned, frame_time: 
     return rows
 
 
-def _artefacts(skeleton: Skeleton, live: np.ndarray, found: Cleaned) -> list[Artefact]:
-    """Runs of masked frames, those of a joint's channels at the same frames as one, and offsets."""
-    joints, names = skeleton.channel_joints[live], [skeleton.channel_names[channel] for channel in live]
+def _artefacts(skeleton: Skeleton, channels: np.ndarray, marked: dict[str, np.ndarray]) -> list[Artefact]:
+    """Runs of frames (F, C) marked by kind, those of a joint's channels at the same frames as one."""
     rows: dict[tuple[int, str, int, int], list[str]] = {}
-    plain = found.masked & ~found.lost & ~found.frozen
-    for place, joint in enumerate(joints):
-        for kind, marked in (("lost", found.lost), ("frozen", found.frozen), ("run", plain)):
-            for first, last in runs(marked[:, place]):
+    for place, channel in enumerate(channels):
+        for kind, frames in marked.items():
+            for first, last in runs(frames[:, place]):
                 told = "spike" if kind == "run" and last - first <= SPIKE else kind
-                rows.setdefault((int(joint), told, first, last - 1), []).append(names[place])
-    made = [
-        Artefact(skeleton.names[joint], tuple(channels), kind, first, last)
-        for (joint, kind, first, last), channels in rows.items()
-    ]
-    made += [
-        Artefact(skeleton.names[joints[channel]], (names[channel],), "offset", first, last - 1, by)
-        for channel, first, last, by in found.offsets
-    ]
-    return sorted(made, key=lambda row: (row.first, row.joint))
+                of = (int(skeleton.channel_joints[channel]), told, first, last - 1)
+                rows.setdefault(of, []).append(skeleton.channel_names[channel])
+    return [Artefact(skeleton.names[of[0]], tuple(names), *of[1:]) for of, names in rows.items()]
 
 
-def _few_filled(values: np.ndarray, motion: Motion) -> np.ndarray:
-    """Gaps of channels with too few samples to be cleaned: straight lines."""
-    frames = np.arange(len(values))
-    for channel in np.flatnonzero(~np.isfinite(values).all(0)):
-        there = np.isfinite(motion.values[:, channel])
-        if there.any():
-            values[:, channel] = np.interp(frames, frames[there], motion.values[there, channel])
-    return values
+def _offsets(skeleton: Skeleton, live: np.ndarray, found: Cleaned) -> list[Artefact]:
+    joints, names = skeleton.channel_joints[live], [skeleton.channel_names[channel] for channel in live]
+    return [
+        Artefact(skeleton.names[joints[place]], (names[place],), "offset", first, last - 1, by)
+        for place, first, last, by in found.offsets
+    ]
