@@ -82,7 +82,7 @@ function showCurve(c) {
     traces.push({ ...edge, y: band[1].map((y) => -y), showlegend: false });
     traces.push({ ...edge, y: band[1], fill: "tonexty", fillcolor: "rgba(18,129,104,0.10)", name: "tolerance" });
   }
-  traces.push({ x: times, y: off, mode: "lines", name: cleaning ? "change" : "error", yaxis: "y2", line: { color: RED, width: 1.3 }, hovertemplate: `${cleaning ? "change" : "error"} %{y:.3g}` });
+  traces.push({ x: times, y: off, mode: "lines", name: cleaning ? "change" : "error", yaxis: "y2", line: { color: RED, width: count > 1500 ? 0.8 : 1.3 }, hovertemplate: `${cleaning ? "change" : "error"} %{y:.3g}` });
   Plotly.react("curve-plot", traces, layout({
     xaxis: { title: { text: "seconds" }, zeroline: false, anchor: "y2", range: [-0.01 * data.duration, 1.01 * data.duration + 1e-6], hoverformat: ".3f" },
     yaxis: { title: { text: unit }, domain: [0.34, 1], range: raw ? focused(shown[1], data.keyed ? raw : before) : range(...shown) },

@@ -96,7 +96,7 @@ function showSpectrum(c) {
     const floor = row.sigma * Math.sqrt(2 * data.frame_time);
     traces.push({ x: [spectra.hertz[0], spectra.hertz[size - 1]], y: [floor, floor], name: `white noise of ${three(row.sigma)}${shortUnit(c)}`, mode: "lines", line: { color: GREEN, width: 1.5, dash: "dot" }, hoverinfo: "skip" });
   }
-  if (row && row.cutoff) traces.push({ x: [row.cutoff, row.cutoff], y: limits, name: `halved at ${three(row.cutoff)} Hz`, mode: "lines", line: { color: ORANGE, width: 1.5, dash: "dash" }, hoverinfo: "skip" });
+  if (row && row.cutoff && row.cutoff < 0.49 / data.frame_time) traces.push({ x: [row.cutoff, row.cutoff], y: limits, name: `halved at ${three(row.cutoff)} Hz`, mode: "lines", line: { color: ORANGE, width: 1.5, dash: "dash" }, hoverinfo: "skip" });
   Plotly.react("spectrum-plot", traces, layout({
     margin: { l: 64, r: 14, t: 58, b: 44 }, hovermode: "closest",
     xaxis: { title: { text: "Hz" }, type: "log", tickvals: HERTZ, ticktext: HERTZ.map(String), range: [Math.log10(spectra.hertz[0]), Math.log10(spectra.hertz[size - 1])] },
@@ -146,10 +146,11 @@ function showLevels() {  // a dot a channel, a line a joint; hollow where no whi
       });
     }
   }
-  const title = (turns) => (turns ? "rotations, degrees" : `positions, ${LENGTH}`), axis = (turns) => ({ title: { text: title(turns) }, rangemode: "tozero", nticks: turns ? 8 : 4, tickangle: 0 });
+  const title = (turns) => (turns ? "rotations, degrees" : `positions, ${LENGTH}`), narrow = window.innerWidth < 700;
+  const axis = (turns) => ({ title: { text: title(turns), font: { size: narrow ? 11 : 13 } }, rangemode: "tozero", nticks: narrow ? 3 : turns ? 8 : 5, tickangle: 0, tickfont: { size: narrow ? 11 : 13 } });
   $("level-plot").style.height = `${Math.max(220, 96 + 19 * joints.length)}px`;
   Plotly.newPlot("level-plot", traces, layout({
-    hovermode: "closest", margin: { l: 64, r: 20, t: 40, b: 44 }, xaxis: { ...axis(sides[0]), domain: sides.length === 1 ? [0, 1] : [0, 0.6] }, xaxis2: { ...axis(false), domain: [0.68, 1], visible: sides.length > 1 },
+    hovermode: "closest", margin: { l: 64, r: 20, t: 40, b: 44 }, xaxis: { ...axis(sides[0]), domain: sides.length === 1 ? [0, 1] : [0, 0.56] }, xaxis2: { ...axis(false), domain: [0.64, 1], visible: sides.length > 1 },
     yaxis: { tickvals: joints.map((_, i) => i), ticktext: joints.map((j) => literal(data.joints[j].name)), range: [joints.length - 0.4, -0.6], tickfont: { size: 12 }, fixedrange: true, zeroline: false },
   }), CONFIG);
   $("level-plot").on("plotly_click", (event) => { choose(event.points[0].customdata); $("curves").scrollIntoView({ block: "start" }); });
