@@ -89,7 +89,7 @@ def test_the_words_after_an_option_name_are_its_help() -> None:
 
 def test_the_version_is_told(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["--version"]) == 0
-    assert capsys.readouterr().out == "mocurve 0.1.0\n"
+    assert capsys.readouterr().out == f"mocurve {mocurve.__version__}\n"
 
 
 @pytest.mark.parametrize("arguments", [["--help"], ["info", "--help"], ["info", "jump.bvh"]])

@@ -163,6 +163,10 @@ def _odd_frames(motion: Motion) -> Iterable[str]:
     ntsc = abs(fps * 1.001 - round(fps * 1.001)) < 1e-3
     if not 10 <= fps <= 500 or not (ntsc or abs(fps - round(fps)) < 1e-3):
         yield f"{fps:.6g} frames a second is an unusual rate"
+    missing = np.isnan(motion.values)
+    if missing.any():
+        where = _chosen(motion.skeleton.channel_names, missing.any(axis=0))
+        yield f"{_count(missing.sum(), 'sample')} missing in {_count(len(where), 'channel')}{_names(where)}: denoise fills gaps"
     if first_frame_is_t_pose(motion):
         yield "frame 0 is a T-pose, not part of the motion"
 

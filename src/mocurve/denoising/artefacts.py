@@ -15,6 +15,7 @@ GAP, EACH, ENTRY, CAP = 12, 1.2, 8.0, 14.0  # frames a path may skip at once, it
 END = 6  # frames it may skip at an end of the clip
 TRIGGER = 4.0  # standard deviations of the second difference
 LEAST, MOST = 3, 30  # frames that repeat: a dropout
+VISIBLE = 2.0  # standard deviations of noise that a frozen joint is off at least
 HELD = 0.3  # of all frames repeat: the channel is stored coarsely, no dropout
 SHARPEST = 1e5  # degrees/s2 that no joint exceeds: kicks and impacts of people stay below
 LEAP = 250.0  # degrees/s: slower jumps are no artefacts
@@ -71,9 +72,12 @@ def repeats(y: np.ndarray) -> np.ndarray:
     return bad
 
 
-def believed(frozen: np.ndarray, y: np.ndarray, x: np.ndarray, groups: Sequence[np.ndarray]) -> np.ndarray:
+def believed(
+    frozen: np.ndarray, y: np.ndarray, x: np.ndarray, sigma: np.ndarray, groups: Sequence[np.ndarray]
+) -> np.ndarray:
     """Of the frozen runs (C, n) those where the fit x without them is the simpler curve: it swings less about the chord
-    than the joint leaps. A knee that is stopped for long leaves a gap that no curve crosses well."""
+    than the joint leaps, and the joint leaps visibly. A knee that is stopped for long leaves a gap that no curve crosses
+    well, and what rests may well repeat itself."""
     out = frozen.copy()
     for group in groups:
         for a, b in runs(frozen[group].any(0)):
@@ -82,7 +86,7 @@ def believed(frozen: np.ndarray, y: np.ndarray, x: np.ndarray, groups: Sequence[
             along = np.arange(1, b - a + 1) / (b - a + 1)
             chord = y[group, a - 1, None] + (y[group, b] - y[group, a - 1])[:, None] * along
             swing, leap = np.abs(x[group, a:b] - chord).max(1), np.abs(y[group, a:b] - chord).max(1)
-            if np.linalg.norm(swing) > np.linalg.norm(leap):
+            if np.linalg.norm(leap) < max(np.linalg.norm(swing), VISIBLE * np.linalg.norm(sigma[group])):
                 out[group, a:b] = False
     return out
 
@@ -125,7 +129,8 @@ def motion_variance(bend: np.ndarray, noise: np.ndarray, sharpest: np.ndarray, f
     size = np.where(size > sharpest, 0.0, size)  # no motion: it must not make others look like motion
     local = 1.4826 * _local_median(size, max(9, round(fps * LOCAL) | 1))
     size = size[:, 1:-1]
-    tail = np.minimum(np.quantile(size, 0.9, axis=1) / 1.645, 4 * 1.4826 * np.median(size, axis=1))[:, None]
+    middle, high = np.quantile(size, (0.5, 0.9), axis=1)
+    tail = np.minimum(high / 1.645, 4 * 1.4826 * middle)[:, None]
     return np.maximum(np.maximum(local, tail) ** 2 - 6 * noise[:, None], 1e-6 + (0.05 * tail) ** 2)
 
 
@@ -140,6 +145,11 @@ def _local_median(a: np.ndarray, width: int) -> np.ndarray:
     return medians[:, left] + (medians[:, right] - medians[:, left]) * (place - left)
 
 
+def least_jumps(y: np.ndarray, body: Body) -> np.ndarray:
+    """(C,) jumps below which nothing is called an artefact."""
+    return np.minimum(body.leap, np.quantile(np.abs(np.diff(y, axis=1)), USUAL, axis=1))
+
+
 def verified(
     y: np.ndarray,
     x: np.ndarray,
@@ -149,12 +159,12 @@ def verified(
     groups: Sequence[np.ndarray],
     body: Body,
     turns: np.ndarray,
+    least: np.ndarray,
 ) -> np.ndarray:
     """Of the candidate frames (C, n) those that are artefacts; x, variance: fit and its variance without candidates;
-    turns (groups, n): second difference of a joint's rotation itself, below 0 where there is no such thing."""
+    turns (groups, n): second difference of a joint's rotation itself, below 0 where there is no such thing; least (C,):
+    `least_jumps`."""
     out = np.zeros(y.shape, bool)
-    usual = np.quantile(np.abs(np.diff(y, axis=1)), USUAL, axis=1)
-    least = np.minimum(body.leap, usual)
     for group, turn in zip(groups, turns, strict=True):
         together = candidate[group].any(0)
         if together.any():

@@ -78,8 +78,8 @@ def clean(
     if known is None:
         if frozen.any():
             w = (~(lost | frozen)).astype(np.float64)
-            fit, _ = smoothing.fit(y, w, smoothing.strength(y, w, pools, strength))
-            frozen = artefacts.believed(frozen, y, fit, groups)
+            first = smoothing.strength(y, w, pools, strength)
+            frozen = artefacts.believed(frozen, y, smoothing.fit(y, w, first)[0], first.sigma, groups)
         filled = bridged(y, lost | frozen)
         displaced = steps.offsets(filled, artefacts.noise_level(filled), body.sharpest, body.leap, artefacts.GAP)
         raised = [part for part in displaced if part.last - part.first > artefacts.GAP]
@@ -118,7 +118,7 @@ def _found(
     """Frames (C, n) that are no motion, those filled in before among them, and how strongly to smooth the rest."""
     filled = bridged(y, filled_in)
     level = artefacts.noise_level(filled)
-    sigma, base, bad = level, np.zeros_like(y), filled_in
+    sigma, base, bad, least = level, np.zeros_like(y), filled_in, artefacts.least_jumps(y, body)
     at: Strength | None = None
     for turn in range(PASSES):
         progress.advance(LABEL, turn + 1, 4)
@@ -131,7 +131,7 @@ def _found(
         for _ in range(ROUNDS):
             x, variance = smoothing.fit(y, (~candidate).astype(np.float64), at)
             variance *= at.sigma[:, None] ** 2
-            bad = bad | artefacts.verified(y, x, variance, sigma, candidate & ~bad, groups, body, turns)
+            bad = bad | artefacts.verified(y, x, variance, sigma, candidate & ~bad, groups, body, turns, least)
             if (candidate == bad).all():
                 break
             candidate = bad | artefacts.cores(y - x, variance, sigma, candidate & ~bad, groups)

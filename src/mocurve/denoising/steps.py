@@ -41,14 +41,15 @@ def offsets(y: np.ndarray, sigma: np.ndarray, sharpest: np.ndarray, leap: np.nda
 
 def _leaps(step: np.ndarray, least: float, shortest: int) -> list[tuple[int, float]]:
     """(first frame after it, size) of every leap with no other near it: such are the ends of short artefacts."""
-    found = []
-    for t in np.flatnonzero(np.abs(step) > least):
-        around = np.concatenate((step[max(0, t - shortest - 3) : t], step[t + 1 : t + shortest + 4]))
-        slope = np.median(around)
-        size = step[t] - slope
-        if np.abs(around - slope).max(initial=0.0) <= ISOLATED * abs(size):
-            found.append((int(t) + 1, float(size)))
-    return found
+    reach = shortest + 3
+    at = np.flatnonzero(np.abs(step) > least)
+    window = np.delete(np.arange(2 * reach + 1), reach)  # all of it but the leap
+    around = np.sort(np.pad(step, reach, constant_values=np.nan)[at[:, None] + window], axis=1)  # NaN come last
+    row, count = np.arange(len(at)), np.isfinite(around).sum(1)
+    slope = (around[row, (count - 1) // 2] + around[row, count // 2]) / 2  # the median
+    size, spread = step[at] - slope, np.maximum(slope - around[:, 0], around[row, count - 1] - slope)
+    alone = spread <= ISOLATED * np.abs(size)
+    return list(zip((at[alone] + 1).tolist(), size[alone].tolist(), strict=True))
 
 
 def _displaced(leaps: list[tuple[int, float]], frames: int, shortest: int) -> list[tuple[int, int, float]]:

@@ -91,6 +91,8 @@ def _numbers(motion: Motion) -> Motion:
         channel = int(np.flatnonzero(bad.any(axis=0))[0])
         frame = int(np.flatnonzero(bad[:, channel])[0])
         name, value = motion.skeleton.channel_names[channel], motion.values[frame, channel]
+        if np.isnan(value):
+            raise Mismatch(f"channel {name!r} has no sample at frame {frame}: fill the gaps first (denoise does)")
         raise Mismatch(
             f"channel {name!r} has the value {value} at frame {frame}: only numbers up to {LARGEST:g} can be reduced"
         )
