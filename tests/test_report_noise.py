@@ -127,6 +127,18 @@ def test_a_sine_stands_at_its_frequency():
     assert floats(data["hertz"], 1)[0][floats(data["after"]).argmax(axis=1)] == pytest.approx(0.5, abs=0.26)
 
 
+def test_gaps_that_are_left_are_drawn_as_gaps_and_bridged_in_space_and_spectrum():
+    made = told()
+    holes = np.array(made.clips[1].values)
+    holes[30:40, 5] = holes[:, 6] = np.nan
+    clips = tuple(replace(clip, values=np.where(np.isnan(holes), np.nan, clip.values)) for clip in made.clips)
+    data = report_data.page_data(replace(made, clips=clips, noise=replace(made.noise, captured=clips[0])))
+    assert np.isnan(floats(data["samples"])[5, 30:40]).all()
+    assert np.isfinite(floats(data["poses"]["b"], 1)).all()
+    assert np.isfinite(floats(data["noise"]["spectra"]["after"])).all()
+    assert data["first_channel"] == ARM
+
+
 def test_a_clip_of_a_few_frames_has_no_spectrum():
     short = clean_clip()[:9]
     made = replace(compare(short, short), noise=Noise((), captured=short))

@@ -3,8 +3,23 @@
 from __future__ import annotations
 
 import base64
+from dataclasses import replace
 
 import numpy as np
+
+from .motion import Motion
+
+
+def bridged(motion: Motion) -> Motion:
+    """Straight lines over missing samples, so that a figure can be drawn; a channel without any stands still."""
+    missing = np.isnan(motion.values)
+    if not missing.any():
+        return motion
+    values, frames = np.nan_to_num(motion.values), np.arange(motion.frames)
+    for channel in np.flatnonzero(missing.any(axis=0) & ~missing.all(axis=0)):
+        there = ~missing[:, channel]
+        values[:, channel] = np.interp(frames, frames[there], motion.values[there, channel])
+    return replace(motion, values=values)
 
 
 def thinned(a: np.ndarray, b: np.ndarray, stride: int) -> tuple[np.ndarray, np.ndarray]:

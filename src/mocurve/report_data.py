@@ -14,7 +14,7 @@ from .keyed import KeyedMotion
 from .measure import Report, side_by_side
 from .measure_noise import Noise
 from .motion import Motion
-from .report_curves import packed, thinned
+from .report_curves import bridged, packed, thinned
 from .report_noise import noise_data
 from .skeleton import Skeleton
 
@@ -34,12 +34,13 @@ def page_data(report: Report) -> dict[str, Any]:
     before, after = thinned(first.values, second.values, stride) if curved else (np.empty((0, 0)),) * 2
     noise = report.noise if curved else None
     cleaned = first if isinstance(b, KeyedMotion) else second
+    drawn = bridged(first), bridged(second)
     limits = _limits(report, first)
     left_out = ("channels", "joints", "noise")  # the page has them in other words
     return {
         "report": {name: value for name, value in report.to_json().items() if name not in left_out},
         "millimetres": None if report.unit is None else report.unit * 1000,
-        "guess": _guess(first) if report.unit is None else None,
+        "guess": _guess(drawn[0]) if report.unit is None else None,
         "degree_length": float(np.radians(kinematics.rest_height(first))) or 1.0,  # what a degree spans at the height
         "frame_time": first.frame_time,
         "duration": first.duration,
@@ -47,14 +48,14 @@ def page_data(report: Report) -> dict[str, Any]:
         "shown_frames": len(before),
         "keyed": isinstance(b, KeyedMotion),
         "channels": _channels(report, skeleton),
-        "first_channel": _liveliest(first, noise) if curved else 0,
+        "first_channel": _liveliest(drawn[0], noise) if curved else 0,
         "samples": packed(before.T),
         "errors": packed((after - before).T),
-        "noise": None if noise is None else noise_data(noise, cleaned, second, stride),
+        "noise": None if noise is None else noise_data(noise, cleaned, drawn[1], stride),
         "keys": _keys(b) if curved and isinstance(b, KeyedMotion) else None,
         "bands": None if limits is None or not curved else [_band(row, stride) for row in limits[0]],
         "joints": _joints(report, skeleton, None if limits is None else limits[1]),
-        "poses": _poses(first, second),
+        "poses": _poses(*drawn),
     }
 
 

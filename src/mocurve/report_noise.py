@@ -9,7 +9,7 @@ import numpy as np
 from .measure import side_by_side
 from .measure_noise import KINDS, Noise
 from .motion import Motion
-from .report_curves import packed, thinned
+from .report_curves import bridged, packed, thinned
 
 SPAN = 2.0  # seconds of a piece that a spectrum is averaged from: resolves half a Hz
 LEAST, MOST = 16, 512  # frames of such a piece
@@ -42,7 +42,7 @@ def noise_data(noise: Noise, cleaned: Motion, shown: Motion, stride: int) -> dic
         "kinds": KINDS,
         "samples": noise.samples,
         "marked": noise.marked,
-        "spectra": None if before is None else _spectra(before, shown),
+        "spectra": None if before is None else _spectra(bridged(before), shown),
     }
 
 
