@@ -19,7 +19,7 @@ FILES = sorted(PACKAGE.rglob("*.py"))
 LAYERS = [
     "errors",
     "_jit progress data",
-    "rotation hermite",
+    "rotation hermite planar",
     "skeleton",
     "motion",
     "keyed",
