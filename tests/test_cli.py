@@ -69,7 +69,9 @@ def test_help_of_every_command_says_what_and_shows_an_example(name: str, capsys:
     assert f"mocurve {name}" in told.split("For example:", 1)[1]
 
 
-@pytest.mark.parametrize(("name", "verb"), [("reduce", mocurve.reduce), ("render", mocurve.render)])
+@pytest.mark.parametrize(
+    ("name", "verb"), [("reduce", mocurve.reduce), ("clean", mocurve.denoise), ("render", mocurve.render)]
+)
 def test_every_option_of_a_verb_is_an_option_of_its_command_and_explained(
     name: str, verb: Callable[..., object], capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -78,7 +80,7 @@ def test_every_option_of_a_verb_is_an_option_of_its_command_and_explained(
     options = [option.name for option in signature(verb).parameters.values() if option.kind is option.KEYWORD_ONLY]
     explained = {option: _options._told(verb.__doc__ or "")[option] for option in options}
     assert options
-    assert not [option for option in options if f"--{option} " not in told]
+    assert not [option for option in options if f"--{option.replace('_', '-')} " not in told]
     assert not [text for text in explained.values() if " ".join(text.split()[:6]) not in told or not text]
 
 

@@ -139,6 +139,12 @@ def test_gaps_that_are_left_are_drawn_as_gaps_and_bridged_in_space_and_spectrum(
     assert data["first_channel"] == ARM
 
 
+def test_a_tolerance_in_sigma_is_a_band_of_each_channel():
+    made = replace(compare(clean_clip(), keyed(clean_clip())), noise=told().noise, tolerance="0.3sigma")
+    bands = report_data.page_data(made)["bands"]
+    assert bands[1:] == pytest.approx([0.3 * row.sigma for row in made.noise.channels[1:]])
+
+
 def test_a_clip_of_a_few_frames_has_no_spectrum():
     short = clean_clip()[:9]
     made = replace(compare(short, short), noise=Noise((), captured=short))

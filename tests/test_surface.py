@@ -103,7 +103,7 @@ def test_python_in_the_docs_runs(page: Path, beside_the_jump: Path) -> None:
 
 
 def test_every_verb_with_a_command_and_every_paper_has_a_page() -> None:
-    assert {"reduce", "compare", "formats", "conventions"} <= {page.stem for page in PAGES}
+    assert {"reduce", "denoise", "compare", "formats", "conventions"} <= {page.stem for page in PAGES}
     assert (ROOT / "docs" / "papers" / "onder-2007.md").exists()
 
 

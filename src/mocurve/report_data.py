@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -35,7 +36,7 @@ def page_data(report: Report) -> dict[str, Any]:
     noise = report.noise if curved else None
     cleaned = first if isinstance(b, KeyedMotion) else second
     drawn = bridged(first), bridged(second)
-    limits = _limits(report, first)
+    limits = _limits(report, replace(first, report=report))  # a tolerance in sigma looks the noise up there
     left_out = ("channels", "joints", "noise")  # the page has them in other words
     return {
         "report": {name: value for name, value in report.to_json().items() if name not in left_out},
