@@ -7,8 +7,10 @@ from math import comb
 from typing import NamedTuple
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from . import _paths, _verdict
+from ._quantiles import median_of_windows, quantile
 
 ORDERS = (3, 4, 5, 6)  # differences that noise is read from: a low one still sees motion, a high one only noise
 GAP, EACH, ENTRY, CAP = 12, 1.2, 8.0, 14.0  # frames a path may skip at once, its costs, and the most a turn costs
@@ -51,7 +53,7 @@ def noise_level(y: np.ndarray) -> np.ndarray:
     for order in range(1, max(ORDERS) + 1):
         differences = np.diff(differences, axis=1)
         if order in ORDERS and y.shape[1] > 3 * order:
-            spread = 1.4826 * np.median(np.abs(differences), axis=1)
+            spread = 1.4826 * quantile(np.abs(differences), 0.5)
             least = np.minimum(least, spread / np.sqrt(comb(2 * order, order)))
     return np.where(np.isfinite(least), least, 0.0)
 
@@ -76,8 +78,8 @@ def believed(
     frozen: np.ndarray, y: np.ndarray, x: np.ndarray, sigma: np.ndarray, groups: Sequence[np.ndarray]
 ) -> np.ndarray:
     """Of the frozen runs (C, n) those where the fit x without them is the simpler curve: it swings less about the chord
-    than the joint leaps, and the joint leaps visibly. A knee that is stopped for long leaves a gap that no curve crosses
-    well, and what rests may well repeat itself."""
+    than the joint leaps, and the joint leaps visibly. A knee that is stopped for long leaves a gap that no curve
+    crosses well, and what rests may well repeat itself."""
     out = frozen.copy()
     for group in groups:
         for a, b in runs(frozen[group].any(0)):
@@ -129,25 +131,25 @@ def motion_variance(bend: np.ndarray, noise: np.ndarray, sharpest: np.ndarray, f
     size = np.where(size > sharpest, 0.0, size)  # no motion: it must not make others look like motion
     local = 1.4826 * _local_median(size, max(9, round(fps * LOCAL) | 1))
     size = size[:, 1:-1]
-    middle, high = np.quantile(size, (0.5, 0.9), axis=1)
-    tail = np.minimum(high / 1.645, 4 * 1.4826 * middle)[:, None]
+    tail = np.minimum(quantile(size, 0.9) / 1.645, 4 * 1.4826 * quantile(size, 0.5))[:, None]
     return np.maximum(np.maximum(local, tail) ** 2 - 6 * noise[:, None], 1e-6 + (0.05 * tail) ** 2)
 
 
 def _local_median(a: np.ndarray, width: int) -> np.ndarray:
     """Medians over blocks of about width frames, every half width, and straight lines between."""
     n, half = a.shape[1], max(1, width // 2)
-    centres = np.arange(0, n, half)
-    medians = np.stack([np.median(a[:, max(0, c - half) : c + half + 1], axis=1) for c in centres], axis=1)
-    place = np.minimum(np.arange(n) / half, len(centres) - 1)
-    left = np.minimum(place.astype(int), max(len(centres) - 2, 0))
-    right = np.minimum(left + 1, len(centres) - 1)
+    padded = np.pad(a, ((0, 0), (half, half)), constant_values=np.nan)
+    medians = median_of_windows(sliding_window_view(padded, 2 * half + 1, axis=1)[:, ::half])
+    blocks = medians.shape[1]
+    place = np.minimum(np.arange(n) / half, blocks - 1)
+    left = np.minimum(place.astype(int), max(blocks - 2, 0))
+    right = np.minimum(left + 1, blocks - 1)
     return medians[:, left] + (medians[:, right] - medians[:, left]) * (place - left)
 
 
 def least_jumps(y: np.ndarray, body: Body) -> np.ndarray:
     """(C,) jumps below which nothing is called an artefact."""
-    return np.minimum(body.leap, np.quantile(np.abs(np.diff(y, axis=1)), USUAL, axis=1))
+    return np.minimum(body.leap, quantile(np.abs(np.diff(y, axis=1)), USUAL))
 
 
 def verified(

@@ -81,14 +81,18 @@ def clean(
             first = smoothing.strength(y, w, pools, strength)
             frozen = artefacts.believed(frozen, y, smoothing.fit(y, w, first)[0], first.sigma, groups)
         filled = bridged(y, lost | frozen)
-        displaced = steps.offsets(filled, artefacts.noise_level(filled), body.sharpest, body.leap, artefacts.GAP)
+        level = artefacts.noise_level(filled)
+        displaced = steps.offsets(filled, level, body.sharpest, body.leap, artefacts.GAP)
         raised = [part for part in displaced if part.last - part.first > artefacts.GAP]
         for channel, first, last, by in raised:
             y[channel, first:last] -= by
         leapt = np.zeros_like(lost)  # a few frames at an end of the clip: smoothing fills them in better
         for channel, first, last, _ in set(displaced).difference(raised):
             leapt[channel, first:last] = True
-        bad, near = _found(y, lost | frozen | leapt, groups, pools, body, turns, strength, fps)
+        filled = bridged(y, lost | frozen | leapt)
+        moved = sorted({part.channel for part in displaced})
+        level[moved] = artefacts.noise_level(filled[moved])
+        bad, near = _found(y, filled, lost | frozen | leapt, level, groups, pools, body, turns, strength, fps)
     else:
         bad = np.ascontiguousarray(known.T) | lost
         frozen &= bad
@@ -107,7 +111,9 @@ def clean(
 
 def _found(
     y: np.ndarray,
+    filled: np.ndarray,
     filled_in: np.ndarray,
+    level: np.ndarray,
     groups: Sequence[np.ndarray],
     pools: Sequence[np.ndarray],
     body: Body,
@@ -115,9 +121,9 @@ def _found(
     inflate: float,
     fps: float,
 ) -> tuple[np.ndarray, Strength]:
-    """Frames (C, n) that are no motion, those filled in before among them, and how strongly to smooth the rest."""
-    filled = bridged(y, filled_in)
-    level = artefacts.noise_level(filled)
+    """Frames (C, n) that are no motion, those filled in before among them, and how strongly to smooth the rest.
+
+    filled: y with straight lines over the frames filled_in; level: (C,) its noise, robustly."""
     sigma, base, bad, least = level, np.zeros_like(y), filled_in, artefacts.least_jumps(y, body)
     at: Strength | None = None
     for turn in range(PASSES):

@@ -6,6 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ._quantiles import median_of_windows, quantile
+
 ISOLATED = 0.3  # of a leap: what the frame steps around it may be
 UNUSUAL = 4.0  # times what nearly all frame steps of the channel stay below
 OPPOSITE = 0.2  # of a leap: how much a leap back may differ
@@ -31,7 +33,7 @@ def offsets(y: np.ndarray, sigma: np.ndarray, sharpest: np.ndarray, leap: np.nda
     if y.shape[1] < 4 * shortest:
         return found
     step = np.diff(y, axis=1)
-    usual = np.quantile(np.abs(step), 0.98, axis=1)
+    usual = quantile(np.abs(step), 0.98)
     least = np.maximum(np.minimum(sharpest, np.maximum(FAST * leap, UNUSUAL * usual)), CERTAIN * sigma)
     for channel in np.flatnonzero((np.abs(step) > least[:, None]).any(1)):
         leaps = _leaps(step[channel], least[channel], shortest)
@@ -44,10 +46,9 @@ def _leaps(step: np.ndarray, least: float, shortest: int) -> list[tuple[int, flo
     reach = shortest + 3
     at = np.flatnonzero(np.abs(step) > least)
     window = np.delete(np.arange(2 * reach + 1), reach)  # all of it but the leap
-    around = np.sort(np.pad(step, reach, constant_values=np.nan)[at[:, None] + window], axis=1)  # NaN come last
-    row, count = np.arange(len(at)), np.isfinite(around).sum(1)
-    slope = (around[row, (count - 1) // 2] + around[row, count // 2]) / 2  # the median
-    size, spread = step[at] - slope, np.maximum(slope - around[:, 0], around[row, count - 1] - slope)
+    around = np.pad(step, reach, constant_values=np.nan)[at[:, None] + window]
+    slope = median_of_windows(around)
+    size, spread = step[at] - slope, np.nanmax(np.abs(around - slope[:, None]), axis=1, initial=0.0)
     alone = spread <= ISOLATED * np.abs(size)
     return list(zip((at[alone] + 1).tolist(), size[alone].tolist(), strict=True))
 
