@@ -212,6 +212,16 @@ def test_usual_rates_are_not_odd(fps: float) -> None:
     assert "rate" not in oddities(body(ROTATIONS, ROTATIONS, fps=fps))
 
 
+def test_samples_that_are_missing_are_counted() -> None:
+    motion = body(ROTATIONS, ROTATIONS)
+    values = np.array(motion.values)
+    values[10:14, 2] = np.nan
+    assert (
+        "4 samples missing in 1 channel (J0.Yrotation): denoise fills them"
+        in info.inspect(replace(motion, values=values)).oddities
+    )
+
+
 def test_channels_that_never_change_are_counted() -> None:
     values = CLEAN.values.copy()
     values[:, [0, 5, 7]] = 1.5

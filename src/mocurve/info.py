@@ -166,7 +166,8 @@ def _odd_frames(motion: Motion) -> Iterable[str]:
     missing = np.isnan(motion.values)
     if missing.any():
         where = _chosen(motion.skeleton.channel_names, missing.any(axis=0))
-        yield f"{_count(missing.sum(), 'sample')} missing in {_count(len(where), 'channel')}{_names(where)}: denoise fills gaps"
+        gaps = f"{_count(len(where), 'channel')}{_names(where)}"
+        yield f"{_count(missing.sum(), 'sample')} missing in {gaps}: denoise fills them"
     if first_frame_is_t_pose(motion):
         yield "frame 0 is a T-pose, not part of the motion"
 

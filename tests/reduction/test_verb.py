@@ -314,7 +314,7 @@ def test_a_wrong_option_is_refused_in_words(options: dict, kind: type[MocurveErr
     assert str(caught.value).startswith(message)
 
 
-@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1e13])
+@pytest.mark.parametrize("value", [np.inf, -np.inf, 1e13])
 @pytest.mark.parametrize("tolerance", ["0.1u", "1deg"])
 def test_what_is_no_number_is_refused_with_its_place(value: float, tolerance: str) -> None:
     values = lines().values.copy()
@@ -323,6 +323,13 @@ def test_what_is_no_number_is_refused_with_its_place(value: float, tolerance: st
         mc.reduce(replace(lines(), values=values), tolerance=tolerance)
     place = f"channel 'A.Zrotation' has the value {value} at frame 7: only numbers up to 1e+12 can be reduced"
     assert str(caught.value) == place
+
+
+def test_a_gap_is_refused_with_what_fills_it() -> None:
+    values = lines().values.copy()
+    values[7, 1] = np.nan
+    with pytest.raises(Mismatch, match=r"^channel 'A.Zrotation' has no sample at frame 7: fill the gaps first"):
+        mc.reduce(replace(lines(), values=values), tolerance="1deg")
 
 
 def test_a_leaf_that_could_turn_and_does_not_has_one_key_without_a_warning() -> None:
