@@ -19,10 +19,11 @@ FILES = sorted(PACKAGE.rglob("*.py"))
 LAYERS = [
     "errors",
     "_jit progress data",
-    "rotation hermite planar",
+    "rotation hermite bspline planar",
     "skeleton",
     "motion",
     "keyed",
+    "spline",
     "kinematics",
     "contacts info measure",
     "denoising",

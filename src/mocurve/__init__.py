@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from .keyed import HermiteCurve, KeyedMotion
     from .motion import Clip, Motion, unroll
     from .skeleton import Skeleton
+    from .spline import SplineMotion
 
 # public name -> module; loaded at first use, so that `mocurve --help` does not pay for kernels
 _HOME = {
@@ -24,6 +25,7 @@ _HOME = {
     "unroll": "motion",
     "HermiteCurve": "keyed",
     "KeyedMotion": "keyed",
+    "SplineMotion": "spline",
     "read": "formats",
     "write": "formats",
     "denoise": "denoising",
