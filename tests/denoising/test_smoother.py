@@ -20,10 +20,9 @@ def system(w: np.ndarray, smoothing: float) -> np.ndarray:
 
 def solved(y: np.ndarray, w: np.ndarray, smoothing: float) -> tuple[np.ndarray, np.ndarray]:
     """Fit and diagonal of the inverse by the kernels."""
-    parts, x = np.empty((5, len(y))), np.empty(len(y))
-    _mixture.factors(w, smoothing, parts)
-    _mixture.fitted(y, w, parts, x)
-    return x, parts[4]
+    x, diagonal = np.empty((2, 1, len(y)))
+    _mixture.fit(y[None], w[None], np.array([smoothing]), x, diagonal)
+    return x[0], diagonal[0]
 
 
 @st.composite
@@ -111,6 +110,46 @@ def test_a_box_is_the_mean_of_the_frames_in_reach(n: int, reach: int) -> None:
     a, out = np.random.default_rng(n).normal(size=n), np.empty(n)
     _mixture.box(a, reach, out)
     np.testing.assert_allclose(out, [a[max(0, i - reach) : i + reach + 1].mean() for i in range(n)], atol=1e-12)
+
+
+def mixed_by_numpy(y: np.ndarray, w: np.ndarray, sigma: float, centre: float, reach: int) -> np.ndarray:
+    """The mixture of a channel (n,) from its formula: weights by Stein's risk over a box and a half."""
+
+    def boxed(a: np.ndarray, wide: int) -> np.ndarray:
+        return np.array([a[max(0, i - wide) : i + wide + 1].mean() for i in range(len(a))])
+
+    near = [g for g in range(4, len(GRID)) if -6.0 <= g - centre <= 3.0]
+    fits, told = [], []
+    for g in near:
+        x, freedom = solved(y, w, GRID[g])
+        risk = w * ((y - x) ** 2 + (2 * freedom - 1) * sigma**2)
+        risk = boxed(boxed(risk, reach), reach // 2)
+        fits.append(x)
+        told.append(-risk * (2 * reach + 1) / (2.0 * sigma**2) - 1.0 * abs(g - centre))
+    weights = np.exp(np.array(told) - np.max(told, axis=0))
+    return (weights * fits).sum(0) / weights.sum(0)
+
+
+def test_a_mixture_is_weighted_by_the_risk_around_a_frame() -> None:
+    rng = np.random.default_rng(5)
+    y, w = np.cumsum(rng.normal(size=(2, 120)), axis=1), np.ones((2, 120))
+    w[1, 60:66] = 0.0
+    x, centre, sigma = np.empty_like(y), np.array([8.3, 9.0]), np.array([0.8, 0.5])
+    _mixture.mix(y, w, (w == 0).any(1), GRID, 4, centre, 6.0, 3.0, sigma, 10, 2.0, 1.0, x)
+    for c in range(2):
+        np.testing.assert_allclose(x[c], mixed_by_numpy(y[c], w[c], sigma[c], centre[c], 10), atol=1e-9)
+
+
+@pytest.mark.parametrize("count", [1, 7, 8, 9, 20])
+def test_channels_side_by_side_are_fitted_as_if_alone(count: int) -> None:
+    rng = np.random.default_rng(count)
+    y, w = rng.normal(size=(count, 30)), (rng.random((count, 30)) > 0.2).astype(float)
+    smoothing = np.exp(rng.uniform(-3, 3, count))
+    x, diagonal = np.empty_like(y), np.empty_like(y)
+    _mixture.fit(y, w, smoothing, x, diagonal)
+    for c in range(count):
+        alone = solved(y[c], w[c], smoothing[c])
+        np.testing.assert_array_equal((x[c], diagonal[c]), alone)
 
 
 def test_a_mixture_lies_between_the_fits_that_it_mixes() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .._jit import kernel
-from ._smoother import factor, substitute
+from ._smoother import DIAGONAL, LANES, MARGIN, factor, substitute
 
 
 @kernel
@@ -13,64 +13,83 @@ def scores(y, w, gaps, grid, wanted, squares, traces):
     """Squared residuals and trace of the smoother, over the kept frames, where wanted (C, G).
 
     y, w (C, n); gaps (C,) whether any w is 0; grid (G,) values of lambda; squares, traces (C, G) are filled there."""
-    channels, n = y.shape
-    shared, own = np.empty((5, n)), np.empty((5, n))
-    x, ones = np.empty(n), np.ones(n)
-    for g in range(len(grid)):
-        whole = 0.0
-        for c in range(channels):
-            if not wanted[c, g]:
-                continue
-            if gaps[c]:
-                factors(w[c], grid[g], own)
-                squares[c, g], traces[c, g] = residuals(y[c], w[c], own, x), trace(w[c], own)
-                continue
-            if whole == 0.0:
-                factors(ones, grid[g], shared)
-                whole = trace(ones, shared)
-            squares[c, g], traces[c, g] = residuals(y[c], w[c], shared, x), whole
+    parts, x = room(y.shape[1])
+    some = np.zeros(len(y), np.bool_)
+    for c in range(len(y)):
+        some[c] = wanted[c].any()
+    for own in (False, True):
+        rows = blocks(some & (gaps == own))
+        values, weights = packed(y, rows), packed(w, rows)
+        for g in range(len(grid)):
+            made = False
+            for b in range(len(rows)):
+                asked = False
+                for k in range(LANES):
+                    asked = asked or wanted[rows[b, k], g]
+                if not asked:
+                    continue
+                if own or not made:
+                    factor(weights[b], np.full(LANES, grid[g]), parts)
+                    made = True
+                substitute(values[b], weights[b], parts, x)
+                left, trace = residuals(values[b], weights[b], parts, x)
+                for k in range(LANES):
+                    if wanted[rows[b, k], g]:
+                        squares[rows[b, k], g], traces[rows[b, k], g] = left[k], trace[k]
 
 
 @kernel
-def factors(w, smoothing, out):
-    factor(w, smoothing, out[0], out[1], out[2], out[3], out[4])
+def blocks(chosen):
+    """(B, LANES) numbers of the chosen channels (C,); the last one is repeated where there are no more."""
+    rows = np.flatnonzero(chosen)
+    found = np.empty((-(-len(rows) // LANES), LANES), np.int64)
+    for place in range(found.size):
+        found[place // LANES, place % LANES] = rows[min(place, len(rows) - 1)]
+    return found
 
 
 @kernel
-def fitted(y, w, parts, x):
-    substitute(y, w, parts[0], parts[1], parts[2], parts[3], x)
+def packed(a, rows):
+    """(B, n, LANES) of a (C, n)."""
+    out = np.empty((len(rows), a.shape[1], LANES))
+    for b in range(len(rows)):
+        for i in range(a.shape[1]):
+            for k in range(LANES):
+                out[b, i, k] = a[rows[b, k], i]
+    return out
 
 
 @kernel
-def trace(w, parts):
-    total = 0.0
-    for i in range(len(w)):
-        total += w[i] * parts[4, i]
-    return total
+def room(n):
+    """For the factors and the fit of a block."""
+    return np.zeros((5, n + 2 * MARGIN, LANES)), np.zeros((n + 2 * MARGIN, LANES))
 
 
 @kernel
 def residuals(y, w, parts, x):
-    """Sum of squared residuals of the kept frames."""
-    fitted(y, w, parts, x)
-    total = 0.0
+    """(LANES,) sums of squared residuals of the kept frames, and traces of the smoother."""
+    squares, trace = np.zeros(LANES), np.zeros(LANES)
     for i in range(len(y)):
-        total += w[i] * (y[i] - x[i]) ** 2
-    return total
+        for k in range(LANES):
+            squares[k] += w[i, k] * (y[i, k] - x[i + MARGIN, k]) ** 2
+            trace[k] += w[i, k] * parts[DIAGONAL, i + MARGIN, k]
+    return squares, trace
 
 
 @kernel
-def fit(y, w, gaps, smoothing, x, variance):
+def fit(y, w, smoothing, x, variance):
     """Fits (C, n) at one lambda a channel, and the diagonal of the inverse: variance of the fit over that of noise."""
-    channels, n = y.shape
-    parts, at = np.empty((5, n)), -1.0
-    for c in range(channels):
-        if gaps[c] or smoothing[c] != at:
-            factors(w[c], smoothing[c], parts)
-            at = -1.0 if gaps[c] else smoothing[c]
-        fitted(y[c], w[c], parts, x[c])
-        for i in range(n):
-            variance[c, i] = parts[4, i]
+    n = y.shape[1]
+    parts, fitted = room(n)
+    rows = blocks(np.ones(len(y), np.bool_))
+    for b in range(len(rows)):
+        weights = packed(w, rows[b : b + 1])[0]
+        factor(weights, smoothing[rows[b]], parts)
+        substitute(packed(y, rows[b : b + 1])[0], weights, parts, fitted)
+        for k in range(LANES):
+            for i in range(n):
+                x[rows[b, k], i] = fitted[i + MARGIN, k]
+                variance[rows[b, k], i] = parts[DIAGONAL, i + MARGIN, k]
 
 
 @kernel
@@ -81,40 +100,54 @@ def mix(y, w, gaps, grid, softest, centre, below, above, sigma, reach, temperatu
     Weights fall with the local risk of each fit, Stein's unbiased estimate summed over +-reach frames (a box, and once
     more one of half the width), and with the distance from the cross-validated centre (C,), in steps of the grid."""
     channels, n = y.shape
-    shared, own = np.empty((5, n)), np.empty((5, n))
-    ones, one, risk, spare = np.ones(n), np.empty(n), np.empty(n), np.empty(n)
+    parts, fitted = room(n)
+    risk, spare = np.empty(n), np.empty(n)
     best, total = np.full((channels, n), -np.inf), np.zeros((channels, n))
-    for g in range(softest, len(grid)):
-        made = False
-        for c in range(channels):
-            if not -below <= g - centre[c] <= above:
-                continue
-            parts = own if gaps[c] else shared
-            if gaps[c] or not made:
-                factors(w[c] if gaps[c] else ones, grid[g], parts)
-                made = made or not gaps[c]
-            fitted(y[c], w[c], parts, one)
-            noise = sigma[c] * sigma[c]
-            for i in range(n):
-                risk[i] = w[c, i] * ((y[c, i] - one[i]) ** 2 + (2.0 * parts[4, i] - 1.0) * noise)
-            box(risk, reach, spare)
-            box(spare, max(1, reach // 2), risk)
-            scale = (2 * reach + 1) / (temperature * noise + 1e-300)
-            away = prior * abs(g - centre[c])
-            for i in range(n):
-                told = -risk[i] * scale - away
-                if told > best[c, i]:
-                    fade = np.exp(best[c, i] - told)
-                    total[c, i] = total[c, i] * fade + 1.0
-                    x[c, i] = (x[c, i] * fade if total[c, i] > 1.0 else 0.0) + one[i]
-                    best[c, i] = told
-                else:
-                    share = np.exp(told - best[c, i])
-                    total[c, i] += share
-                    x[c, i] += share * one[i]
+    for own in (False, True):
+        rows = blocks(gaps == own)
+        values, weights = packed(y, rows), packed(w, rows)
+        for g in range(softest, len(grid)):
+            away, made = g - centre, False
+            used = (away >= -below) & (away <= above)
+            for b in range(len(rows)):
+                if not used[rows[b]].any():
+                    continue
+                if own or not made:
+                    factor(weights[b], np.full(LANES, grid[g]), parts)
+                    made = True
+                substitute(values[b], weights[b], parts, fitted)
+                for k in range(LANES):
+                    c = rows[b, k]
+                    if not used[c] or (k > 0 and c == rows[b, k - 1]):
+                        continue
+                    noise = sigma[c] * sigma[c]
+                    one, freedom = fitted[MARGIN:, k], parts[DIAGONAL, MARGIN:, k]
+                    for i in range(n):
+                        risk[i] = w[c, i] * ((y[c, i] - one[i]) ** 2 + (2.0 * freedom[i] - 1.0) * noise)
+                    box(risk, reach, spare)
+                    box(spare, max(1, reach // 2), risk)
+                    scale = (2 * reach + 1) / (temperature * noise + 1e-300)
+                    blend(one, risk, scale, prior * abs(away[c]), best[c], total[c], x[c])
     for c in range(channels):
         for i in range(n):
             x[c, i] /= total[c, i]
+
+
+@kernel
+def blend(one, risk, scale, away, best, total, x):
+    """Adds a fit to x (n,), weighted by exp(-risk * scale - away); total: the weights, best: the largest exponent so
+    far, which all weights are told relative to."""
+    for i in range(len(x)):
+        told = -risk[i] * scale - away
+        if told > best[i]:
+            fade = np.exp(best[i] - told)
+            total[i] = total[i] * fade + 1.0
+            x[i] = (x[i] * fade if total[i] > 1.0 else 0.0) + one[i]
+            best[i] = told
+        else:
+            share = np.exp(told - best[i])
+            total[i] += share
+            x[i] += share * one[i]
 
 
 @kernel

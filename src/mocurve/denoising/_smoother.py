@@ -3,48 +3,51 @@
 The matrix W + lambda D'D has half-bandwidth 3. It is factored as L D L' (Golub and Van Loan, section 4.3); the diagonal
 of its inverse, which cross-validation and predicted variances need, follows from the factors by Takahashi's recursion
 (Erisman and Tinney 1975). A factor belongs to weights and lambda alone, so channels without masked frames share it.
+
+Each step of these recursions waits for the one before, so LANES channels go side by side: arrays are (n, LANES), those
+of the factors and of the fit with MARGIN rows of zeros before and after.
 """
 
 from __future__ import annotations
 
+import numpy as np
+
 from .._jit import kernel
 
-ORDER = 3
+LANES = 8
+MARGIN = 3
 LEAST_PIVOT = 1e-14  # where a run of masked frames leaves nothing but rounding
+FIRST, SECOND, THIRD, INVERSE, DIAGONAL = range(5)  # of the parts
 
 
 @kernel
-def factor(w, smoothing, first, second, third, inverse, diagonal):
+def factor(w, smoothing, parts):
     """Factors of W + smoothing D'D: rows of L (first, second, third below the diagonal), 1/D, and diag of the inverse.
 
-    w (n,) weights; all others (n,), overwritten."""
+    w (n, LANES) weights; smoothing (LANES,); parts (5, n + 2 MARGIN, LANES), overwritten but for the margins of 0."""
     n = len(w)
-    a1 = a2 = 0.0  # the row before: its entries of L one and two below the diagonal
-    b1 = 0.0  # two rows before
-    r1 = r2 = r3 = 0.0  # 1/D of the three rows before
+    first, second, third = parts[FIRST], parts[SECOND], parts[THIRD]
+    inverse, diagonal = parts[INVERSE], parts[DIAGONAL]
     for i in range(n):
         p0, p1, p2, p3 = penalty(i, n)
-        e3 = smoothing * p3
-        e2 = smoothing * p2 - e3 * b1
-        e1 = smoothing * p1 - e3 * a2 - e2 * a1
-        l3, l2, l1 = e3 * r3, e2 * r2, e1 * r1
-        pivot = max(w[i] + smoothing * p0 - e3 * l3 - e2 * l2 - e1 * l1, LEAST_PIVOT)
-        first[i], second[i], third[i], inverse[i] = l1, l2, l3, 1.0 / pivot
-        b1, a1, a2 = a1, l1, l2
-        r3, r2, r1 = r2, r1, inverse[i]
-    z11 = z12 = z13 = z22 = z23 = z33 = 0.0  # of the inverse, at the three rows below
-    l1 = l2 = l3 = 0.0
-    for i in range(n - 1, -1, -1):
-        l1 = first[i + 1] if i + 1 < n else 0.0
-        l2 = second[i + 2] if i + 2 < n else 0.0
-        l3 = third[i + 3] if i + 3 < n else 0.0
-        y1 = -(l1 * z11 + l2 * z12 + l3 * z13)
-        y2 = -(l1 * z12 + l2 * z22 + l3 * z23)
-        y3 = -(l1 * z13 + l2 * z23 + l3 * z33)
-        z33, z23, z22 = z22, z12, z11
-        z13, z12 = y2, y1
-        z11 = inverse[i] - (l1 * y1 + l2 * y2 + l3 * y3)
-        diagonal[i] = z11
+        r = i + MARGIN
+        for k in range(LANES):
+            e3 = smoothing[k] * p3
+            e2 = smoothing[k] * p2 - e3 * first[r - 2, k]
+            e1 = smoothing[k] * p1 - e3 * second[r - 1, k] - e2 * first[r - 1, k]
+            l3, l2, l1 = e3 * inverse[r - 3, k], e2 * inverse[r - 2, k], e1 * inverse[r - 1, k]
+            pivot = max(w[i, k] + smoothing[k] * p0 - e3 * l3 - e2 * l2 - e1 * l1, LEAST_PIVOT)
+            first[r, k], second[r, k], third[r, k], inverse[r, k] = l1, l2, l3, 1.0 / pivot
+    z = np.zeros((6, LANES))  # of the inverse, at the three rows below: 11, 12, 13, 22, 23, 33
+    for r in range(n + MARGIN - 1, MARGIN - 1, -1):
+        for k in range(LANES):
+            l1, l2, l3 = first[r + 1, k], second[r + 2, k], third[r + 3, k]
+            y1 = -(l1 * z[0, k] + l2 * z[1, k] + l3 * z[2, k])
+            y2 = -(l1 * z[1, k] + l2 * z[3, k] + l3 * z[4, k])
+            y3 = -(l1 * z[2, k] + l2 * z[4, k] + l3 * z[5, k])
+            z[5, k], z[4, k], z[3, k], z[2, k], z[1, k] = z[3, k], z[1, k], z[0, k], y2, y1
+            z[0, k] = inverse[r, k] - (l1 * y1 + l2 * y2 + l3 * y3)
+            diagonal[r, k] = z[0, k]
 
 
 @kernel
@@ -71,20 +74,16 @@ def weight(k):
 
 
 @kernel
-def substitute(y, w, first, second, third, inverse, x):
-    """x (n,): the fit to y, given the factors."""
+def substitute(y, w, parts, x):
+    """The fit x (n + 2 MARGIN, LANES), with margins of 0, to y (n, LANES), given the factors."""
     n = len(y)
-    b1 = b2 = b3 = 0.0
+    first, second, third, inverse = parts[FIRST], parts[SECOND], parts[THIRD], parts[INVERSE]
     for i in range(n):
-        b = (w[i] * y[i] - third[i] * b3 - second[i] * b2) - first[i] * b1
-        x[i] = b
-        b3, b2, b1 = b2, b1, b
-    b1 = b2 = b3 = 0.0
-    l1 = l2 = l3 = 0.0
-    for i in range(n - 1, -1, -1):
-        l1 = first[i + 1] if i + 1 < n else 0.0
-        l2 = second[i + 2] if i + 2 < n else 0.0
-        l3 = third[i + 3] if i + 3 < n else 0.0
-        b = (x[i] * inverse[i] - l3 * b3 - l2 * b2) - l1 * b1
-        x[i] = b
-        b3, b2, b1 = b2, b1, b
+        r = i + MARGIN
+        for k in range(LANES):
+            known = w[i, k] * y[i, k] - third[r, k] * x[r - 3, k] - second[r, k] * x[r - 2, k]
+            x[r, k] = known - first[r, k] * x[r - 1, k]
+    for r in range(n + MARGIN - 1, MARGIN - 1, -1):
+        for k in range(LANES):
+            known = x[r, k] * inverse[r, k] - third[r + 3, k] * x[r + 3, k] - second[r + 2, k] * x[r + 2, k]
+            x[r, k] = known - first[r + 1, k] * x[r + 1, k]

@@ -21,6 +21,7 @@ VISIBLE = 2.0  # standard deviations of noise that a frozen joint is off at leas
 HELD = 0.3  # of all frames repeat: the channel is stored coarsely, no dropout
 SHARPEST = 1e5  # degrees/s2 that no joint exceeds: kicks and impacts of people stay below
 LEAP = 250.0  # degrees/s: slower jumps are no artefacts
+SHIFT = 10.0  # degrees: a channel that is displaced by less stays where it is
 LEVER = 0.5  # metres: what an angle comes to in space
 USUAL = 0.95  # part of a channel's frame steps: jumps below are no artefacts either
 AWAY = 0.3  # seconds that a curve may be away between two impossible turns
@@ -29,15 +30,16 @@ LOCAL = 0.5  # seconds of motion that tell how curved it is here
 
 class Body(NamedTuple):
     """What bodies do, in a channel's unit and frames. sharpest: (C,) second difference that no motion exceeds;
-    leap: (C,) frame step below which nothing is called an artefact."""
+    leap: (C,) frame step below which nothing is called an artefact; shift: (C,) below which nothing is moved back."""
 
     sharpest: np.ndarray
     leap: np.ndarray
+    shift: np.ndarray
 
     @classmethod
     def of_degrees(cls, channels: int, fps: float) -> Body:
         """For channels of angles."""
-        return cls(np.full(channels, SHARPEST / fps**2), np.full(channels, LEAP / fps))
+        return cls(*(np.full(channels, limit) for limit in (SHARPEST / fps**2, LEAP / fps, SHIFT)))
 
     def in_lengths(self, lengths: np.ndarray, metres: float | None) -> Body:
         """The same where (C,) `lengths` are positions, in units of so many metres; None: bodies of unknown size."""

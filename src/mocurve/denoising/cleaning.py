@@ -20,6 +20,7 @@ from .smoothing import Strength
 PASSES = 2  # the second sees the samples minus a fit, where the motion's own curvature is gone
 ROUNDS = 2  # the second judges the core of what was not believed as a whole
 SHORTEST = 8  # samples: fewer cannot tell noise from motion
+REAL = 0.3  # part of a leap that the rotation of the joint has at least
 COMES_TO_REST = 0.1  # seconds, for frames that are filled in at an end of the clip
 LABEL = "cleaning"
 
@@ -83,11 +84,13 @@ def clean(
         filled = bridged(y, lost | frozen)
         level = artefacts.noise_level(filled)
         displaced = steps.offsets(filled, level, body.sharpest, body.leap, artefacts.GAP)
-        raised = [part for part in displaced if part.last - part.first > artefacts.GAP]
+        raised = [
+            part for part in displaced if part.last - part.first > artefacts.GAP and _lasts(part, body, turns, groups)
+        ]
         for channel, first, last, by in raised:
             y[channel, first:last] -= by
         leapt = np.zeros_like(lost)  # a few frames at an end of the clip: smoothing fills them in better
-        for channel, first, last, _ in set(displaced).difference(raised):
+        for channel, first, last, _ in (part for part in displaced if part.last - part.first <= artefacts.GAP):
             leapt[channel, first:last] = True
         filled = bridged(y, lost | frozen | leapt)
         moved = sorted({part.channel for part in displaced})
@@ -159,6 +162,14 @@ def _strength(
     """The strength without bad frames, and the noise that goes with it, which the robust level keeps in bounds."""
     at = smoothing.strength(y, (~bad).astype(np.float64), pools, inflate, near)
     return at, np.clip(at.sigma, 0.4 * level, 2 * level + 1e-9)
+
+
+def _lasts(part: steps.Offset, body: Body, turns: np.ndarray, groups: Sequence[np.ndarray]) -> bool:
+    """Whether a displaced part is worth being moved back: it is far, and it is the joint that leaps, not its notation."""
+    turn = turns[next(g for g, group in enumerate(groups) if part.channel in group)]
+    ends = [at for at in (part.first, part.last) if 0 < at < len(turn)]
+    leaps = all(turn[at - 1 : at + 1].max() >= REAL * abs(part.by) or turn[at] < 0 for at in ends)
+    return leaps and abs(part.by) >= body.shift[part.channel]
 
 
 def _damp_ends(x: np.ndarray, bad: np.ndarray, fps: float) -> None:

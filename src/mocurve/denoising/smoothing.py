@@ -58,10 +58,11 @@ def strength(
         missing = np.isnan(squares) & (at >= low[:, None]) & (at <= high[:, None])
         if not missing.any():
             break
-        rows = np.flatnonzero(missing.any(1))
-        part = np.empty((2, len(rows), size))
-        kernels.scores(y[rows], w[rows], gaps[rows], GRID, missing[rows], part[0], part[1])
-        squares[missing], traces[missing] = part[0][missing[rows]], part[1][missing[rows]]
+        rows = np.lexsort((low, gaps))  # those that go side by side in the kernels want the same strengths
+        rows = rows[missing[rows].any(1)]
+        part = squares[rows], traces[rows]
+        kernels.scores(y[rows], w[rows], gaps[rows], GRID, missing[rows], *part)
+        squares[rows], traces[rows] = part
         spread = _noise(squares, traces, kept)
         score = _score(squares, traces, kept, inflate)
         if usual is None:
@@ -120,7 +121,7 @@ def _vertex(score: np.ndarray, best: np.ndarray) -> np.ndarray:
 def fit(y: np.ndarray, w: np.ndarray, at: Strength) -> tuple[np.ndarray, np.ndarray]:
     """One fit a channel, (C, n), and the variance of its values over that of the noise."""
     x, variance = np.empty_like(y), np.empty_like(y)
-    kernels.fit(y, w, (w == 0).any(1), at.smoothing, x, variance)
+    kernels.fit(y, w, at.smoothing, x, variance)
     return x, variance
 
 
@@ -132,10 +133,11 @@ def mixture(y: np.ndarray, w: np.ndarray, at: Strength, fps: float, softest: flo
     reach = max(5, round(REACH * fps))
     gaps = (w == 0).any(1)
     centre = np.maximum(at.place, np.ceil(softest))
-    for first in range(0, len(y), CHUNK):
-        some = slice(first, first + CHUNK)
-        weights = (BELOW, ABOVE, at.sigma[some], reach, TEMPERATURE, PRIOR)
-        kernels.mix(y[some], w[some], gaps[some], GRID, int(np.ceil(softest)), centre[some], *weights, x[some])
+    order = np.lexsort((centre, gaps))  # those that go side by side in the kernels use the same strengths
+    for some in np.split(order, range(CHUNK, len(y), CHUNK)):
+        weights, part = (BELOW, ABOVE, at.sigma[some], reach, TEMPERATURE, PRIOR), np.empty((len(some), y.shape[1]))
+        kernels.mix(y[some], w[some], gaps[some], GRID, int(np.ceil(softest)), centre[some], *weights, part)
+        x[some] = part
     return x
 
 

@@ -54,8 +54,13 @@ def _leaps(step: np.ndarray, least: float, shortest: int) -> list[tuple[int, flo
 
 
 def _displaced(leaps: list[tuple[int, float]], frames: int, shortest: int) -> list[tuple[int, int, float]]:
-    """What lies between a leap and the leap back, and what lies outside one that is not taken back, if it is short."""
-    found, alone = [], []
+    """What lies between a leap and the leap back, and what lies outside one that is not taken back, if it is short.
+
+    A leap near an end of the clip has nothing to do with others."""
+    found = [(0, at, -size) for at, size in leaps if at <= shortest]
+    found += [(at, frames, size) for at, size in leaps if at >= frames - shortest]
+    leaps = [leap for leap in leaps if shortest < leap[0] < frames - shortest]
+    alone = []
     while leaps:
         (first, size), *rest = leaps
         back = next((k for k, (_, other) in enumerate(rest) if abs(size + other) <= OPPOSITE * abs(size)), None)
