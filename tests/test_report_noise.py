@@ -272,6 +272,9 @@ def test_every_channel_has_a_dot_hollow_where_there_is_no_floor_and_a_click_show
     assert sorted(dots) == list(range(7))
     assert [dots[c][0] for c in range(7)] == pytest.approx([SIGMA * (1 + c / 10) for c in range(7)])
     assert [c for c in dots if dots[c][1] == "circle-open"] == [2]
+    texts = plot(visit, "level-plot", "data.flatMap(t => t.text)")
+    assert "Hips.Yposition<br>halved at 9 Hz" in texts
+    assert "Hips.Yrotation<br>halved at 9 Hz<br>no white noise floor" in texts
     visit.page.evaluate(
         "() => document.getElementById('level-plot').emit('plotly_click', { points: [{ customdata: 5 }] })"
     )
