@@ -79,8 +79,8 @@ def clean(
     if known is None:
         if frozen.any():
             w = (~(lost | frozen)).astype(np.float64)
-            first = smoothing.strength(y, w, pools, strength)
-            frozen = artefacts.believed(frozen, y, smoothing.fit(y, w, first)[0], first.sigma, groups)
+            at = smoothing.strength(y, w, pools, strength)
+            frozen = artefacts.believed(frozen, y, smoothing.fit(y, w, at)[0], at.sigma, groups)
         filled = bridged(y, lost | frozen)
         level = artefacts.noise_level(filled)
         displaced = steps.offsets(filled, level, body.sharpest, body.leap, artefacts.GAP)
@@ -165,7 +165,7 @@ def _strength(
 
 
 def _lasts(part: steps.Offset, body: Body, turns: np.ndarray, groups: Sequence[np.ndarray]) -> bool:
-    """Whether a displaced part is worth being moved back: it is far, and it is the joint that leaps, not its notation."""
+    """Whether a displaced part is to be moved back: it is far, and the joint leaps, not just its notation."""
     turn = turns[next(g for g, group in enumerate(groups) if part.channel in group)]
     ends = [at for at in (part.first, part.last) if 0 < at < len(turn)]
     leaps = all(turn[at - 1 : at + 1].max() >= REAL * abs(part.by) or turn[at] < 0 for at in ends)

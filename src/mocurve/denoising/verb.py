@@ -218,13 +218,14 @@ def _channels(skeleton: Skeleton, live: np.ndarray, found: Cleaned, frame_time: 
 
 def _artefacts(skeleton: Skeleton, channels: np.ndarray, marked: dict[str, np.ndarray]) -> list[Artefact]:
     """Runs of frames (F, C) marked by kind, those of a joint's channels at the same frames as one."""
+    joints, named = skeleton.channel_joints, skeleton.channel_names
     rows: dict[tuple[int, str, int, int], list[str]] = {}
     for place, channel in enumerate(channels):
         for kind, frames in marked.items():
             for first, last in runs(frames[:, place]):
                 told = "spike" if kind == "run" and last - first <= SPIKE else kind
-                of = (int(skeleton.channel_joints[channel]), told, first, last - 1)
-                rows.setdefault(of, []).append(skeleton.channel_names[channel])
+                of = (int(joints[channel]), told, first, last - 1)
+                rows.setdefault(of, []).append(named[channel])
     return [Artefact(skeleton.names[of[0]], tuple(names), *of[1:]) for of, names in rows.items()]
 
 
