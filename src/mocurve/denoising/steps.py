@@ -37,7 +37,7 @@ def offsets(y: np.ndarray, sigma: np.ndarray, sharpest: np.ndarray, leap: np.nda
     least = np.maximum(np.minimum(sharpest, np.maximum(FAST * leap, UNUSUAL * usual)), CERTAIN * sigma)
     for channel in np.flatnonzero((np.abs(step) > least[:, None]).any(1)):
         leaps = _leaps(step[channel], least[channel], shortest)
-        found += [Offset(int(channel), first, last, by) for first, last, by in _displaced(leaps, y.shape[1], shortest)]
+        found += [Offset(int(channel), first, last, by) for first, last, by in _displaced(leaps, y[channel], shortest)]
     return found
 
 
@@ -53,10 +53,12 @@ def _leaps(step: np.ndarray, least: float, shortest: int) -> list[tuple[int, flo
     return list(zip((at[alone] + 1).tolist(), size[alone].tolist(), strict=True))
 
 
-def _displaced(leaps: list[tuple[int, float]], frames: int, shortest: int) -> list[tuple[int, int, float]]:
-    """What lies between a leap and the leap back, and what lies outside one that is not taken back, if it is short.
+def _displaced(leaps: list[tuple[int, float]], y: np.ndarray, shortest: int) -> list[tuple[int, int, float]]:
+    """What lies between a leap and the leap back, and what lies outside one that is not taken back, if it is short and,
+    once moved back, no more often where the rest of the clip never is.
 
     A leap near an end of the clip has nothing to do with others."""
+    frames = len(y)
     found = [(0, at, -size) for at, size in leaps if at <= shortest]
     found += [(at, frames, size) for at, size in leaps if at >= frames - shortest]
     leaps = [leap for leap in leaps if shortest < leap[0] < frames - shortest]
@@ -74,8 +76,11 @@ def _displaced(leaps: list[tuple[int, float]], frames: int, shortest: int) -> li
         leaps = rest[:back] + rest[back + 1 :]
     if len(alone) == 1:
         at, size = alone[0]
-        if at <= PART * frames:
-            found.append((0, at, -size))
-        elif frames - at <= PART * frames:
-            found.append((at, frames, size))
+        first, last, by = (0, at, -size) if at <= frames / 2 else (at, frames, size)
+        rest = np.delete(y, np.s_[first:last])
+        as_it_is, moved = (
+            ((part < rest.min()) | (part > rest.max())).sum() for part in (y[first:last], y[first:last] - by)
+        )
+        if last - first <= PART * frames and moved <= as_it_is:
+            found.append((first, last, by))
     return found
