@@ -29,6 +29,7 @@ LAYERS = [
     "denoising",
     "reduction",
     "formats",
+    "edit",
     "report draw",
     "commands",
     "cli",

@@ -32,6 +32,7 @@ _HOME = {
     "reduce": "reduction",
     "refine": "reduction",
     "compare": "measure",
+    "loop": "edit.loop",
     "render": "draw",
 }
 __all__ = ["__version__", *_HOME]

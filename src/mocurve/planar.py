@@ -30,7 +30,7 @@ def power(planar: np.ndarray, exponent: float | np.ndarray) -> np.ndarray:
     """The transform done `exponent` times, also a fraction or less than none: a screw about one fixed centre.
 
     power(g, a + b) is compose(power(g, a), power(g, b)). The shift is S(angle) v for a constant velocity
-    v, with S(angle) = [[sin, 1 - cos], [cos - 1, sin]] / angle; a straight walk (angle 0) has S = 1 and is no exception.
+    v, S(angle) = [[sin, 1 - cos], [cos - 1, sin]] / angle; for a straight walk (angle 0) it is 1, and no exception.
     """
     angle, exponent = np.asarray(planar[..., 0]), np.asarray(exponent, np.float64)
     sine, versine = _screw(angle)
@@ -82,8 +82,8 @@ def frame_distances(
     weights: (J,), by default all the same.
 
     Entries are root mean squares in the places' own unit. No pair is looked at alone: with every window centred,
-    the least squared distance is |p|^2 + |q|^2 - 2 (Y + |C + iS|), where Y, C and S, the products of heights, the dot and
-    the cross products on the ground, are matrix products over all pairs (the solution of `align`, put in).
+    the least squared distance is |p|^2 + |q|^2 - 2 (Y + |C + iS|), where Y, C and S, the products of heights, the dot
+    and the cross products on the ground, are matrix products over all pairs (the solution of `align`, put in).
     """
     if first.ndim != 3 or first.shape[1:] != second.shape[1:]:
         raise Mismatch(f"places of shape {first.shape} and {second.shape} are not of the same joints")

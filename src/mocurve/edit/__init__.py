@@ -1,0 +1,16 @@
+"""Changes to motion: one file a verb, clip in, clip out.
+
+VERBS is the table: the name of a verb -> the module that has it. Adding a verb is a file and a line. Nothing is loaded
+before it is asked for.
+"""
+
+VERBS = {
+    "blend": "blend",
+    "mix": "mix",
+    "difference": "difference",
+    "add": "add",
+    "scale": "scale",
+    "warp": "warp",
+    "retime": "retime",
+    "loop": "loop",
+}

@@ -1,0 +1,179 @@
+"""loop: what repeats itself is continued exactly, other ends are closed, and no seam shows on real walks."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from walks import BODY, PERIOD, STEP, drifting, walk
+
+import mocurve as mc
+from mocurve import Mismatch, Motion, OptionError, UnknownName, cli, planar
+from mocurve.edit._seams import bends
+from mocurve.edit.loop import CLOSINGS, Loop
+from mocurve.kinematics import world
+
+
+def measured(motion: Motion) -> Loop:
+    return Loop(**motion.history[-1]["measured"])
+
+
+# -- laws ----------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("close", CLOSINGS)
+@pytest.mark.parametrize("turn", [0.0, 0.6])
+def test_what_is_periodic_goes_on_as_it_would_have(close: str, turn: float) -> None:
+    made = mc.loop(walk(180, turn), start=40 * STEP, end=(40 + PERIOD) * STEP, cycles=4, close=close)
+    truth = walk(40 + 4 * PERIOD + 1, turn)[40:]
+    np.testing.assert_allclose(world(made), world(truth), atol=1e-8)
+    assert measured(made).turn == pytest.approx(np.degrees(turn))
+
+
+@pytest.mark.parametrize("turn", [0.0, -0.9])
+def test_the_period_is_found(turn: float) -> None:
+    found = measured(mc.loop(walk(200, turn)))
+    assert found.frames == PERIOD
+    assert found.distance < 1e-6
+    assert mc.loop(walk(200, turn), start=0.5).frames == PERIOD + 1
+
+
+@pytest.mark.parametrize("close", CLOSINGS)
+def test_the_last_pose_is_the_first_one_carried_on(close: str) -> None:
+    made = mc.loop(drifting(walk(200, 0.3)), start=0.6, cycles=3, close=close)
+    places, frames = world(made), measured(made).frames
+    step = planar.align(places[frames], places[0])
+    assert made.frames == 3 * frames + 1
+    np.testing.assert_allclose(places[-1], planar.move(planar.power(step, 3), places[0]), atol=1e-6)
+    np.testing.assert_allclose(places[frames:], planar.move(step, places[:-frames]), atol=1e-6)
+
+
+def test_each_way_to_close_meets_better_than_the_one_before() -> None:
+    clip = drifting(walk(200), 6.0)
+    natural = bends(world(clip)).max()
+    cut = {"start": 40 * STEP, "end": (40 + PERIOD) * STEP, "cycles": 2}
+    linear, cubic, fade = (
+        bends(world(mc.loop(clip, close=close, **cut))).max() for close in ("linear", "cubic", "crossfade")
+    )
+    joined = world(clip)[40 : 40 + PERIOD]
+    raw = bends(np.concatenate([joined, planar.move(np.array([0.0, 0.0, 120.0]), joined)])).max()
+    assert raw > 10 * natural
+    assert linear < 0.2 * raw
+    assert cubic < 1.1 * natural
+    assert fade < 1.2 * natural
+
+
+def test_a_clip_that_is_just_one_cycle_is_closed_by_a_cubic() -> None:
+    clip = drifting(walk(PERIOD + 1, 0.4))
+    made = mc.loop(clip, start=0.0, end=clip.duration, cycles=3, close="cubic")
+    assert made.frames == 3 * PERIOD + 1
+    assert bends(world(made)).max() < 1.2 * bends(world(walk(200, 0.4))).max()
+
+
+def test_what_needs_no_closing_stays_to_the_last_digit() -> None:
+    still = replace(walk(200), values=walk(200).values * (BODY.channel_joints != 5))
+    made = mc.loop(still, start=0.6, cycles=2)
+    np.testing.assert_array_equal(made.values[:, BODY.channel_joints == 5], 0.0)
+
+
+def test_a_joint_with_two_axes_is_closed_with_what_it_can_express() -> None:
+    made = mc.loop(drifting(walk(200), 5.0), start=0.6, cycles=2)  # the head has two
+    assert bends(world(made)).max() < 1.2 * bends(world(walk(200))).max()
+
+
+def test_a_t_pose_in_front_is_no_part_of_it() -> None:
+    plain = walk(200)
+    posed = replace(plain, values=np.vstack([[[0, 90, 0] + [0.0] * 17], plain.values]))
+    made, found = mc.loop(plain), measured(mc.loop(posed))
+    np.testing.assert_array_equal(mc.loop(posed).values, made.values)
+    assert found.start == pytest.approx(measured(made).start + STEP)
+    with pytest.raises(OptionError, match="its first frame is a T-pose"):
+        mc.loop(posed, start=0.0)
+
+
+def test_the_history_tells_the_step_and_what_was_found() -> None:
+    first = replace(walk(200), history=({"verb": "denoise"},))
+    made = mc.loop(first, cycles=2)
+    assert made.history[0] == {"verb": "denoise"}
+    told = json.loads(json.dumps(made.history[1]))
+    assert {key: told[key] for key in ("verb", "start", "end", "cycles", "close")} == {
+        "verb": "loop",
+        "start": None,
+        "end": None,
+        "cycles": 2,
+        "close": "crossfade",
+    }
+    assert told["measured"]["unit"] == "cm"
+    assert told["measured"]["travel"] == pytest.approx(120.0, rel=0.01)
+
+
+# -- real walks ----------------------------------------------------------------------------------------
+@pytest.mark.parametrize("name", ["12_01_walk.bvh", "02_01_walk_blender.bvh", "walk_daz19.bvh", "16_15.amc"])
+@pytest.mark.filterwarnings("ignore:.*no frame rate")
+def test_no_seam_shows_on_a_captured_walk(name: str, clips: Path) -> None:
+    path = clips / "cmu" / f"cmu_{name}"
+    clip = mc.read(path, **({"skeleton": clips / "cmu" / "cmu_16.asf"} if name.endswith("amc") else {}))
+    found = measured(mc.loop(clip, cycles=2))
+    assert 0.9 < found.end - found.start < 1.4  # two steps of a person
+    assert found.jump <= 0.2
+    assert found.acceleration <= 0.7
+
+
+# -- refusals ------------------------------------------------------------------------------------------
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"cycles": 0}, "cycles is a whole number"),
+        ({"end": 1.0}, "end is given without start"),
+        ({"start": 1.0, "end": 0.5}, "ends at 0.5 s, not after its start"),
+        ({"start": 9.0}, "9 s is not in the clip"),
+        ({"start": -0.1}, "-0.1 s is not in the clip"),
+        ({"start": float("nan")}, "nan s is not in the clip"),
+        ({"start": 0.5, "end": 0.5 + STEP}, "at least two frames"),
+        ({"start": 0.0, "end": 1.1}, "the clip must begin before the cycle"),
+        ({"start": 2.9}, "no cycle is found: no pose returns after 2.9 s"),
+    ],
+)
+def test_options_that_make_no_cycle_are_refused(options: dict[str, float], words: str) -> None:
+    with pytest.raises(OptionError, match=words):
+        mc.loop(walk(200), **options)
+
+
+def test_an_unknown_way_to_close_is_told_the_nearest() -> None:
+    with pytest.raises(UnknownName, match="Did you mean 'crossfade'"):
+        mc.loop(walk(200), close="crosfade")
+
+
+@pytest.mark.parametrize("frames", [0, 1, 5, 30])
+def test_what_does_not_return_has_no_cycle(frames: int) -> None:
+    with pytest.raises(OptionError, match="no cycle is found"):
+        mc.loop(walk(frames))
+
+
+def test_standing_still_is_no_cycle() -> None:
+    still = np.tile(walk(1).values, (200, 1))
+    for values in (still, still + 0.01 * np.sin(np.arange(200) / 10.0)[:, None]):
+        with pytest.raises(OptionError, match="no cycle is found"):
+            mc.loop(replace(walk(200), values=values))
+
+
+def test_a_root_that_cannot_turn_does_not_walk_in_a_curve() -> None:
+    body = replace(BODY, channels=(BODY.channels[0][:3], *BODY.channels[1:]))
+    circling = mc.loop(walk(200, 0.5), cycles=3)
+    columns = [channel for channel in range(BODY.channel_count) if channel not in (3, 4, 5)]
+    stiff = Motion(body, circling.values[:, columns], STEP)
+    with pytest.raises(Mismatch, match="'Hips'"):
+        mc.loop(stiff, start=0.6, end=0.6 + PERIOD * STEP)
+
+
+# -- the command ---------------------------------------------------------------------------------------
+def test_the_command_writes_the_loop_and_tells_its_numbers(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    mc.write(tmp_path / "walk.bvh", walk(200))
+    goal = tmp_path / "tour.bvh"
+    assert cli.main(["loop", str(tmp_path / "walk.bvh"), "-o", str(goal), "--cycles", "3", "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["frames"] == PERIOD
+    assert mc.read(goal).frames == 3 * PERIOD + 1
+    assert cli.main(["loop", str(tmp_path / "walk.bvh"), "-o", str(goal), "--start", "0.5"]) == 0
+    assert "seam: " in capsys.readouterr().out
