@@ -185,3 +185,11 @@ def test_a_bridge_is_a_straight_line_and_ends_are_held() -> None:
     bad[0, [0, 2, 3, 5]] = True
     bad[1] = True
     np.testing.assert_array_equal(bridged(y, bad), [[1, 1, 2, 3, 4, 4], [1, 2, 3, 4, 5, 6]])
+
+
+def test_spikes_near_each_other_do_not_take_what_lies_between(truth: np.ndarray) -> None:
+    values = jitter(truth, 0.5)
+    spikes = [103, 106, 132]
+    values[spikes, 1] += 20.0
+    result = clean(values, FPS, JOINTS)
+    np.testing.assert_array_equal(np.flatnonzero(result.masked[:, 1]), spikes)

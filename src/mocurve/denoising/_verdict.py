@@ -178,11 +178,11 @@ def lost(y, sigma, p, q, sharpest):
     time for longer than a frame, else there is but a spike at its end."""
     if p == 0 or q == len(y):
         return 0.0
-    out = abs(y[p + 1] - y[p - 1]) > STAYS * abs(y[p] - y[p - 1])
-    back = abs(y[q - 2] - y[q]) > STAYS * abs(y[q - 1] - y[q])
-    if not (out and back):
+    out, back = abs(y[p + 1] - y[p - 1]), abs(y[q - 2] - y[q])
+    if out < STAYS * abs(y[p] - y[p - 1]) or back < STAYS * abs(y[q - 1] - y[q]):
         return 0.0
-    return min(impossible(y, sigma, p, p + 1, sharpest), impossible(y, sigma, q - 1, q, sharpest))
+    turned = min(impossible(y, sigma, p, p + 1, sharpest), impossible(y, sigma, q - 1, q, sharpest))
+    return min(turned, min(out, back) / sharpest)
 
 
 @kernel

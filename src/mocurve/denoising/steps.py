@@ -11,6 +11,7 @@ from ._quantiles import median_of_windows, quantile
 ISOLATED = 0.3  # of a leap: what the frame steps around it may be
 UNUSUAL = 4.0  # times what nearly all frame steps of the channel stay below
 OPPOSITE = 0.2  # of a leap: how much a leap back may differ
+STRANGE = 0.5  # of the frames outside a single leap: where the rest of the clip never is
 PART = 0.4  # of a clip: what is longer is not taken for the displaced part
 FAST = 2.0  # times what is never called an artefact
 CERTAIN = 12.0  # standard deviations of noise
@@ -54,8 +55,8 @@ def _leaps(step: np.ndarray, least: float, shortest: int) -> list[tuple[int, flo
 
 
 def _displaced(leaps: list[tuple[int, float]], y: np.ndarray, shortest: int) -> list[tuple[int, int, float]]:
-    """What lies between a leap and the leap back, and what lies outside one that is not taken back, if it is short and,
-    once moved back, no more often where the rest of the clip never is.
+    """What lies between a leap and the leap back, and what lies outside one that is not taken back, if that is where
+    the rest of the clip never is: a toe that strikes the ground leaps too, and nothing else says which side is right.
 
     A leap near an end of the clip has nothing to do with others."""
     frames = len(y)
@@ -77,10 +78,10 @@ def _displaced(leaps: list[tuple[int, float]], y: np.ndarray, shortest: int) -> 
     if len(alone) == 1:
         at, size = alone[0]
         first, last, by = (0, at, -size) if at <= frames / 2 else (at, frames, size)
-        rest = np.delete(y, np.s_[first:last])
-        as_it_is, moved = (
-            ((part < rest.min()) | (part > rest.max())).sum() for part in (y[first:last], y[first:last] - by)
+        others = np.delete(y, np.s_[first:last])
+        lost, moved = (
+            ((part < others.min()) | (part > others.max())).mean() for part in (y[first:last], y[first:last] - by)
         )
-        if last - first <= PART * frames and moved <= as_it_is:
+        if last - first <= PART * frames and lost > STRANGE and moved < lost / 2:
             found.append((first, last, by))
     return found

@@ -210,7 +210,7 @@ def _channels(skeleton: Skeleton, live: np.ndarray, found: Cleaned, frame_time: 
     rows = []
     for place, channel in enumerate(live):
         unit = "degrees" if skeleton.rotation_channels[channel] else "units"
-        hertz = float(found.cutoff[place] / frame_time)
+        hertz = None if found.cutoff[place] >= 0.5 else float(found.cutoff[place] / frame_time)
         sigma, floor = float(found.sigma[place]), bool(found.floor[place])
         rows.append(ChannelNoise(skeleton.channel_names[channel], unit, sigma, floor, hertz))
     return rows
