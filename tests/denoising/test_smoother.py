@@ -179,3 +179,15 @@ def test_a_channel_is_mixed_as_if_it_were_alone() -> None:
         return x
 
     np.testing.assert_array_equal(mixed(slice(None)), np.concatenate([mixed(slice(c, c + 1)) for c in range(3)]))
+
+
+def test_many_channels_with_gaps_of_their_own_are_scored_as_if_alone() -> None:
+    rng = np.random.default_rng(6)
+    y, w = rng.normal(size=(20, 40)), (rng.random((20, 40)) > 0.2).astype(float)
+    told = np.empty((2, 20, 2))
+    grid, wanted = np.array([1.0, 50.0]), np.ones((20, 2), bool)
+    _mixture.scores(y, w, np.ones(20, bool), grid, wanted, told[0], told[1])
+    for c in range(20):
+        alone, one = np.empty((2, 1, 2)), slice(c, c + 1)
+        _mixture.scores(y[one], w[one], np.ones(1, bool), grid, wanted[one], alone[0], alone[1])
+        np.testing.assert_array_equal(told[:, one], alone)
