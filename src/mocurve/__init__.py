@@ -33,6 +33,7 @@ _HOME = {
     "refine": "reduction",
     "compare": "measure",
     "loop": "edit.loop",
+    "join": "edit.join",
     "render": "draw",
 }
 __all__ = ["__version__", *_HOME]

@@ -4,6 +4,7 @@ COMMANDS = {
     "reduce": "Few Hermite keys instead of a sample at every frame; nothing moves more than the tolerance.",
     "clean": "Jitter, spikes and dropouts of a capture go; kicks and heel strikes stay. Nothing has to be tuned.",
     "refine": "The same number of keys, moved until they follow the clip better.",
+    "join": "One motion over into another, where the two look most alike.",
     "loop": "One cycle of a motion, closed and repeated without a seam.",
     "compare": "What changed between two clips: per channel, per joint, and as a page to look at.",
     "info": "What a file holds: skeleton, channels, frames, length unit, and what is odd about it.",

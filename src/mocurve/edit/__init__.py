@@ -13,4 +13,5 @@ VERBS = {
     "warp": "warp",
     "retime": "retime",
     "loop": "loop",
+    "join": "join",
 }

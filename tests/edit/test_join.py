@@ -1,0 +1,204 @@
+"""join: like goes over into like without a trace, other bodies follow by name, and nothing shows on real walks."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from walks import BODY, PERIOD, STEP, walk
+
+import mocurve as mc
+from mocurve import Mismatch, Motion, OptionError, UnknownName, cli, planar
+from mocurve.edit._poses import motion_of, moved, poses_of
+from mocurve.edit._seams import bends
+from mocurve.edit.join import MODES, Join
+from mocurve.kinematics import rotations, world
+
+
+def measured(motion: Motion) -> Join:
+    return Join(**motion.history[-1]["measured"])
+
+
+def elsewhere(motion: Motion, by: tuple[float, float, float] = (1.2, 300.0, -80.0)) -> Motion:
+    return motion_of(moved(poses_of(motion), motion.skeleton, np.array(by)), motion)
+
+
+def resized(motion: Motion, factor: float) -> Motion:
+    """The same motion of a larger body."""
+    values = motion.values * np.where(motion.skeleton.rotation_channels, 1.0, factor)
+    return replace(
+        motion, values=values, skeleton=replace(motion.skeleton, offsets=motion.skeleton.offsets * factor, unit=None)
+    )
+
+
+# -- laws ----------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("turn", [0.0, 0.5])
+def test_what_is_one_motion_stays_one(mode: str, turn: float) -> None:
+    whole = walk(260, turn)
+    made = mc.join(whole[:170], elsewhere(whole[100:]), leave=120 * STEP, enter=20 * STEP, mode=mode)
+    np.testing.assert_allclose(world(made), world(whole), atol=1e-6)
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_the_best_cut_is_found(mode: str) -> None:
+    a, b = walk(200), elsewhere(walk(200, phase=1.0))
+    found = measured(mc.join(a, b, mode=mode))
+    ahead = 1.0 / (2.0 * np.pi) * PERIOD  # frames by which b is ahead
+    off = (found.leave / STEP - found.enter / STEP - ahead + PERIOD / 2) % PERIOD - PERIOD / 2
+    assert abs(off) <= 0.5 + 1e-6
+    assert found.leave >= 100 * STEP
+    assert found.step < 1.05
+    assert found.acceleration < 1.05
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_the_first_stays_to_the_last_digit_and_the_second_is_only_moved(mode: str) -> None:
+    a, b = walk(200), elsewhere(walk(180, phase=2.0))
+    made = mc.join(a, b, mode=mode)
+    found = measured(made)
+    leave, enter = round(found.leave / STEP), round(found.enter / STEP)
+    np.testing.assert_array_equal(made.values[:leave], a.values[:leave])
+    assert made.frames == leave + b.frames - enter
+    rest, own = world(made)[leave + found.frames :], world(b)[enter + found.frames :]
+    step = planar.align(rest[0], own[0])
+    np.testing.assert_allclose(rest, planar.move(step, own), atol=1e-6)
+    assert np.degrees(step[0]) == pytest.approx(found.turn, abs=1e-6)
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_a_bad_cut_is_still_smooth(mode: str) -> None:
+    a, b = walk(200), walk(200, phase=2.5)
+    made = mc.join(a, b, leave=2.0, enter=0.5, mode=mode)
+    around = bends(world(made))[100:160]
+    raw = np.concatenate([world(a)[:120], planar.move(planar.align(world(a)[120], world(b)[30]), world(b)[30:])])
+    assert around.max() < 0.25 * bends(raw)[100:140].max()
+    assert measured(made).leave == 2.0
+    assert measured(made).enter == 0.5
+
+
+def test_channels_do_not_jump_by_whole_turns() -> None:
+    a, b = walk(200, 3.0), walk(200, -2.0)
+    b = replace(b, values=b.values + 360.0 * BODY.rotation_channels)
+    assert np.abs(np.diff(mc.join(a, b).values[:, BODY.rotation_channels], axis=0)).max() < 30.0
+
+
+# -- other bodies, other rates ---------------------------------------------------------------------------
+def test_a_larger_body_walks_as_the_first_one() -> None:
+    a, b = walk(200), walk(200, phase=1.0)
+    with pytest.warns(UserWarning, match="bones have other lengths"):
+        made = mc.join(a, resized(b, 1.3), leave=2.0, enter=0.5)
+    same = mc.join(a, b, leave=2.0, enter=0.5)
+    np.testing.assert_allclose(world(made), world(same), atol=0.5)  # both stand on the floor of the first
+    np.testing.assert_allclose(world(made)[..., [0, 2]], world(same)[..., [0, 2]], atol=1e-6)
+
+
+def test_by_name_the_second_turns_the_joints_that_it_has() -> None:
+    a, b = walk(200), walk(200, phase=1.0)
+    order = (0, 3, 4, 1, 2)  # the other leg first, no head
+    parents = {0: -1, 3: 0, 4: 1, 1: 0, 2: 3}
+    body = replace(
+        BODY,
+        names=tuple(BODY.names[joint] for joint in order),
+        parents=np.array([parents[joint] for joint in order]),
+        offsets=BODY.offsets[list(order)],
+        channels=tuple(BODY.channels[joint] for joint in order),
+        end_sites=np.zeros(5, bool),
+    )
+    columns = np.concatenate([np.flatnonzero(BODY.channel_joints == joint) for joint in order])
+    other = Motion(body, b.values[:, columns], STEP)
+    with pytest.raises(Mismatch, match="'LeftLeg' in the first, 'RightLeg' in the second"):
+        mc.join(a, other)
+    made = mc.join(a, other, match="names")
+    found = measured(made)
+    leave, enter = round(found.leave / STEP), round(found.enter / STEP)
+    turned, own = rotations(made)[leave + found.frames :], rotations(b)[enter + found.frames :]
+    np.testing.assert_allclose(np.abs((turned * own)[:, 1:5].sum(axis=-1)), 1.0, atol=1e-9)
+    head = BODY.channel_joints == 5
+    held = made.values[leave + found.frames :, head]
+    np.testing.assert_allclose(held, np.broadcast_to(a.values[leave, head], held.shape), atol=1e-9)
+
+
+def test_another_frame_rate_is_taken_to_that_of_the_first() -> None:
+    a, b = walk(200), walk(200, phase=1.0)
+    made = mc.join(a, b.sample(STEP / 2), leave=2.0, enter=0.5)
+    assert made.frame_time == a.frame_time
+    np.testing.assert_allclose(world(made), world(mc.join(a, b, leave=2.0, enter=0.5)), atol=0.2)
+
+
+def test_the_history_tells_the_step_and_what_was_found() -> None:
+    told = json.loads(json.dumps(mc.join(walk(200), walk(200), seconds=0.3).history[-1]))
+    assert told["verb"] == "join"
+    assert (told["leave"], told["enter"], told["seconds"], told["mode"], told["match"]) == (
+        None,
+        None,
+        0.3,
+        "overlap",
+        "exact",
+    )
+    assert told["measured"]["frames"] == round(0.3 / STEP)
+    assert told["measured"]["unit"] == "cm"
+
+
+# -- real walks ----------------------------------------------------------------------------------------
+def test_nothing_shows_where_one_captured_walk_becomes_another(clips: Path) -> None:
+    first, second = (mc.read(clips / "cmu" / f"cmu_{name}.bvh") for name in ("02_01_walk_blender", "12_01_walk"))
+    with pytest.warns(UserWarning, match="bones have other lengths"):
+        found = measured(mc.join(first, second))
+    assert found.step <= 1.0
+    assert found.acceleration <= 1.0
+    assert found.foot_speed is not None
+    assert found.foot_speed < 40.0  # cm/s: slower counts as planted
+
+
+# -- refusals ------------------------------------------------------------------------------------------
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"leave": 9.0}, "9 s is not in the first clip"),
+        ({"enter": float("nan")}, "nan s is not in the second clip"),
+        ({"leave": 3.2}, "the first clip is too short for a transition of 24 frames"),
+        ({"enter": 3.2}, "the second clip is too short for a transition of 24 frames"),
+        ({"seconds": 30.0}, "the first clip is too short for a transition of 1800 frames"),
+        ({"seconds": 0.0}, "positive number of seconds"),
+        ({"seconds": float("inf")}, "positive number of seconds"),
+    ],
+)
+def test_times_that_make_no_transition_are_refused(options: dict[str, float], words: str) -> None:
+    with pytest.raises(OptionError, match=words):
+        mc.join(walk(200), walk(200), **options)
+
+
+@pytest.mark.parametrize(("options", "near"), [({"mode": "overlp"}, "overlap"), ({"match": "name"}, "names")])
+def test_an_unknown_way_is_told_the_nearest(options: dict[str, str], near: str) -> None:
+    with pytest.raises(UnknownName, match=f"Did you mean '{near}'"):
+        mc.join(walk(200), walk(200), **options)
+
+
+@pytest.mark.parametrize("frames", [0, 1, 5])
+def test_short_clips_are_refused(frames: int) -> None:
+    for clips in ((walk(frames), walk(200)), (walk(200), walk(frames))):
+        with pytest.raises(OptionError, match=r"too short|without frames"):
+            mc.join(*clips)
+
+
+def test_a_missing_sample_is_refused() -> None:
+    values = np.array(walk(200).values)
+    values[3, 4] = np.nan
+    with pytest.raises(Mismatch, match="has no value at frame 3"):
+        mc.join(walk(200), replace(walk(200), values=values))
+
+
+# -- the command ---------------------------------------------------------------------------------------
+def test_the_command_writes_both_and_tells_its_numbers(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for name, phase in (("a", 0.0), ("b", 1.0)):
+        mc.write(tmp_path / f"{name}.bvh", walk(200, phase=phase))
+    paths = [str(tmp_path / f"{name}.bvh") for name in ("a", "b", "both")]
+    assert cli.main(["join", *paths[:2], "-o", paths[2], "--mode", "inertial", "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert mc.read(paths[2]).frames == round(told["leave"] / STEP) + 200 - round(told["enter"] / STEP)
+    assert cli.main(["join", *paths[:2], "-o", paths[2], "--leave", "2", "--enter", "0.5"]) == 0
+    assert "largest step" in capsys.readouterr().out
