@@ -28,6 +28,7 @@ LAYERS = [
     "contacts info measure",
     "denoising",
     "reduction",
+    "fitting",
     "formats",
     "edit",
     "report draw",

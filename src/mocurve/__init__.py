@@ -30,6 +30,7 @@ _HOME = {
     "write": "formats",
     "denoise": "denoising",
     "reduce": "reduction",
+    "fit": "fitting",
     "refine": "reduction",
     "compare": "measure",
     "loop": "edit.loop",

@@ -17,6 +17,7 @@ from .measure_noise import Noise
 from .measure_text import table
 from .motion import Clip, Motion
 from .skeleton import AXES, Skeleton
+from .spline import SplineMotion
 
 NUMBER_BYTES = 8  # float64
 KEY_NUMBERS = 3  # time, value, slope
@@ -52,13 +53,14 @@ class JointError:
 class Report:
     """What a clip costs and how far it is from its original.
 
-    keys, samples:    of all channels; a clip without keys counts each of its samples as one.
+    keys, samples:    of all channels; a clip without keys counts each of its coefficients or samples as one.
+    knots:            that the channels of a spline share, those at the ends as often as they count; else None.
     *_error_degrees:  over all rotation channels; None where the two clips have different channels.
     *_error_length:   over all position channels, file units; None likewise.
     *_error_world:    over all joints and end sites at every frame, by forward kinematics, file units.
     unit:             metres that a file unit stands for, None where nobody said.
     unit_guess:       where nobody said: metres that the body's height suggests, None for a body without height.
-    bytes:            of the second clip's numbers: 24 a key (time, value, slope), 8 a sample.
+    bytes:            of the second clip's numbers: 24 a key (time, value, slope), 8 a sample, coefficient or knot.
     lower_bound:      proven fewest keys at the tolerance; seconds: what the reduction took; None where not known.
     clips:            the two that were compared, for the pictures of `save`; not part of the JSON.
     tolerance, method, align, quality: how the second clip was made; None where not known.
@@ -86,6 +88,7 @@ class Report:
     channels: tuple[ChannelError, ...] = ()
     joints: tuple[JointError, ...] = ()
     noise: Noise | None = None
+    knots: int | None = None
     clips: tuple[Clip, Clip] | None = field(default=None, repr=False, compare=False)
 
     @property
@@ -98,12 +101,17 @@ class Report:
         """Keys over the proven fewest; None where the bound is not known."""
         return self.keys / self.lower_bound if self.lower_bound else None
 
+    @property
+    def unknowns(self) -> str:
+        """What `keys` counts, in a word."""
+        return "keys" if self.knots is None else "coefficients"
+
     def sentence(self) -> str:
         """The report in one line."""
         bound = "" if self.over_bound is None else f", {self.over_bound:.2f}x the proven least"
         degrees = "" if self.max_error_degrees is None else f"{self.max_error_degrees:.3g} degrees and "
         where = f"at most {degrees}{_length(self, self.max_error_world)} off"
-        return f"{self.keys:,} keys for {self.samples:,} samples (1 for {self.ratio:.1f}){bound}; {where}"
+        return f"{self.keys:,} {self.unknowns} for {self.samples:,} samples (1 for {self.ratio:.1f}){bound}; {where}"
 
     def __str__(self) -> str:
         found = ([], []) if self.noise is None else (self.noise.lines(), self.noise.rows())
@@ -153,8 +161,10 @@ def compare(a: Clip, b: Clip) -> Report:
     degrees = (None, None) if off is None else _max_rms(off[:, turning])
     length = (None, None) if off is None else _max_rms(off[:, ~turning])
     unit = skeleton.unit if skeleton.unit is not None else second.skeleton.unit
+    knots = len(b.knots) if isinstance(b, SplineMotion) else None
     report = Report(
         keys=int(keys.sum()),
+        knots=knots,
         samples=a.frames * skeleton.channel_count,
         frames=a.frames,
         max_error_degrees=degrees[0],
@@ -163,7 +173,7 @@ def compare(a: Clip, b: Clip) -> Report:
         rms_error_length=length[1],
         max_error_world=_max_rms(apart)[0],
         rms_error_world=_max_rms(apart)[1],
-        bytes=int(keys.sum()) * NUMBER_BYTES * (KEY_NUMBERS if isinstance(b, KeyedMotion) else 1),
+        bytes=NUMBER_BYTES * (int(keys.sum()) * (KEY_NUMBERS if isinstance(b, KeyedMotion) else 1) + (knots or 0)),
         unit=unit,
         unit_guess=_guessed_unit(first) if unit is None else None,
         channels=() if off is None else _channel_rows(skeleton, keys, off),
@@ -192,9 +202,11 @@ def side_by_side(a: Clip, b: Clip) -> tuple[Motion, Motion]:
 
 
 def key_counts(clip: Clip) -> np.ndarray:
-    """(C,) keys of each channel; of a clip without keys its samples."""
+    """(C,) keys of each channel, or coefficients; of a clip without either its samples."""
     if isinstance(clip, KeyedMotion):
         return np.array([len(curve) for curve in clip.curves], np.int64)
+    if isinstance(clip, SplineMotion):
+        return np.full(clip.values.shape[1], len(clip.values), np.int64)
     return np.full(clip.skeleton.channel_count, clip.frames, np.int64)
 
 
@@ -285,8 +297,8 @@ def _with_making(report: Report, b: Clip) -> Report:
     told = getattr(b, "report", None)
     if told is not None and told.noise is not None:
         report = replace(report, noise=told.noise)
-    if not isinstance(b, KeyedMotion) or told is None:
-        step = b.history[-1] if b.history and b.history[-1].get("verb") == "reduce" else {}
+    if not isinstance(b, KeyedMotion | SplineMotion) or told is None:
+        step = b.history[-1] if b.history and b.history[-1].get("verb") in ("reduce", "fit") else {}
         texts = step.get("tolerance")
         made = {name: step[name] for name in ("method", "align", "quality") if isinstance(step.get(name), str)}
         if isinstance(texts, list | tuple) and all(isinstance(text, str) for text in texts):
@@ -309,7 +321,10 @@ def _summary_lines(report: Report) -> list[str]:
     if report.noise is not None and report.keys == report.samples:
         lines = ["changed    from the captured clip to the clean one:"]
     else:
-        lines = [f"keys       {report.keys:,} for {report.samples:,} samples, 1 for {report.ratio:.1f}{bound}"]
+        count = f"{report.keys:,} for {report.samples:,} samples, 1 for {report.ratio:.1f}{bound}"
+        lines = [f"keys       {count}"]
+        if report.knots is not None:
+            lines = [f"splines    coefficients {count}", f"knots      {report.knots:,}, shared by all channels"]
     settings = [(name, getattr(report, name)) for name in ("tolerance", "method", "align", "quality")]
     made = [f"{name} {value}" for name, value in settings if value]
     made += [f"{report.seconds:.2f} s"] if report.seconds is not None else []
@@ -343,5 +358,5 @@ def _worst_lines(report: Report, count: int = 5) -> list[str]:
         for r in channels[:count]
     ]
     places = [[r.name, _length(report, r.max), _length(report, r.rms)] for r in joints[:count]]
-    lines = table(["furthest channels", *(["keys"] if keyed else []), "max", "RMS"], angles)
+    lines = table(["furthest channels", *([report.unknowns] if keyed else []), "max", "RMS"], angles)
     return lines + table(["furthest joints", "max", "RMS"], places)

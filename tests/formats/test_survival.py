@@ -96,7 +96,7 @@ def said(kept: bool) -> str:
     return "kept" if kept else "lost"
 
 
-def found(clip: mc.KeyedMotion, back: mc.Motion | mc.KeyedMotion, told: str) -> dict[str, str]:
+def found(clip: mc.KeyedMotion, back: mc.Motion | mc.KeyedMotion | mc.SplineMotion, told: str) -> dict[str, str]:
     """What survived, in the words of the table."""
     body, other = clip.skeleton, back.skeleton
     inner = ~other.end_sites
@@ -116,6 +116,8 @@ def found(clip: mc.KeyedMotion, back: mc.Motion | mc.KeyedMotion, told: str) -> 
 
 
 def found_keys(clip: mc.KeyedMotion, back: mc.Motion | mc.KeyedMotion, told: str) -> dict[str, str]:
+    if isinstance(back, mc.SplineMotion):
+        return {"keys": "splines", "tangents": "splines"}
     if not isinstance(back, mc.KeyedMotion):
         lost = "anew" if "straight" in told else "sampled"
         return {"keys": lost, "tangents": "lost"}

@@ -2,6 +2,7 @@
 
 COMMANDS = {
     "reduce": "Few Hermite keys instead of a sample at every frame; nothing moves more than the tolerance.",
+    "fit": "B-splines on few knots, which all channels share; nothing moves more than the tolerance.",
     "clean": "Jitter, spikes and dropouts of a capture go; kicks and heel strikes stay. Nothing has to be tuned.",
     "refine": "The same number of keys, moved until they follow the clip better.",
     "join": "One motion over into another, where the two look most alike.",

@@ -14,7 +14,7 @@ from cyclopts import Parameter
 
 from ..errors import OptionError
 
-_ONLY_TYPED = ("Clip", "Motion", "KeyedMotion")  # nouns in the signatures of read and write
+_ONLY_TYPED = ("Clip", "Motion", "KeyedMotion", "SplineMotion")  # nouns in the signatures of read and write
 
 Source = Annotated[
     Path, Parameter(help="A clip: .bvh .glb .npz .c3d .asf+.amc, or keys: .curves.json (all: mocurve convert --help)")

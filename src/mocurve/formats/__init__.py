@@ -20,10 +20,12 @@ from ..errors import OptionError, UnknownName
 if TYPE_CHECKING:
     from ..keyed import KeyedMotion
     from ..motion import Clip, Motion
+    from ..spline import SplineMotion
 
 FORMATS = {  # modules, loaded when needed
     ".bvh": "bvh",
     ".curves.json": "curves_json",
+    ".spline.json": "spline_json",
     ".blend.py": "blender",
     ".csv": "csv",
     ".npz": "npz",
@@ -45,7 +47,7 @@ def read(
     unit: str | float | None = None,
     skeleton: str | PathLike[str] | None = None,
     animation: str | None = None,
-) -> Motion | KeyedMotion:
+) -> Motion | KeyedMotion | SplineMotion:
     """Read a clip; the extension says which format.
 
     Parameters
@@ -106,8 +108,9 @@ def write(
         raise UnknownName(f"profile of {extension}", profile, form.PROFILES)
     if isinstance(clip, Mapping) and not getattr(form, "SEVERAL", False):
         raise OptionError(f"a {extension} file holds one clip; write {len(clip)} files")
-    if getattr(form, "OF_SAMPLES", False) and hasattr(clip, "curves"):
-        warnings.warn(f"keys become samples: {extension} files have one at every frame", stacklevel=2)
+    lost = "keys" if hasattr(clip, "curves") else "splines" if hasattr(clip, "knots") else None
+    if getattr(form, "OF_SAMPLES", False) and lost:
+        warnings.warn(f"{lost} become samples: {extension} files have one at every frame", stacklevel=2)
     form.write(path, clip, **taken)
 
 
