@@ -57,6 +57,14 @@ def test_keys_are_written_as_the_same_curves_and_splines_as_the_same_keys(tmp_pa
         mc.write(tmp_path / "b.curves.json", spline.raised(splines, 4))
 
 
+@pytest.mark.parametrize("extension", [".blend.py", ".curves.json"])
+def test_formats_of_keys_get_the_same_curves_as_keys(tmp_path, splines, extension):
+    mc.write(tmp_path / f"a{extension}", splines)
+    back = mc.read(tmp_path / f"a{extension}")
+    assert [len(curve) for curve in back.curves] == [4, 4, 4, 4]
+    np.testing.assert_allclose(back.sample().values, splines.sample().values, atol=1e-10)
+
+
 def test_other_formats_get_samples_and_say_so(tmp_path, splines):
     with pytest.warns(UserWarning, match="splines become samples"):
         mc.write(tmp_path / "a.bvh", splines)

@@ -16,8 +16,8 @@ Output = Annotated[
     Path | None,
     Parameter(
         name=("--output", "-o"),
-        help="Where the result goes: .spline.json keeps the splines, .curves.json the same curves as keys, others get "
-        "samples.",
+        help="Where the result goes: .spline.json keeps the splines, .curves.json .blend.py .glb .usda .ma get the same "
+        "curves as keys, others samples.",
     ),
 ]
 

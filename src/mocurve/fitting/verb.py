@@ -71,7 +71,10 @@ def fit(
     asked = problem(clip, None if spans else texts, "pose", feet)
     motion = asked.motion
     if motion.frames <= degree:
-        raise Mismatch(f"a spline of degree {degree} takes {degree + 1} frames or more, the clip has {motion.frames}")
+        raise Mismatch(
+            f"a spline of degree {degree} takes {degree + 1} frames or more, the clip has {motion.frames}; "
+            "a lower degree takes fewer"
+        )
     if spans is not None and spans + degree > motion.frames:
         raise OptionError(
             f"{motion.frames} frames settle at most {motion.frames - degree} spans of degree {degree}, not {spans}"

@@ -83,7 +83,8 @@ def write(
     Parameters
     ----------
     clip
-        One clip, or {name: clip} of one body for a format that holds several animations (.glb, .gltf).
+        One clip, or {name: clip} of one body for a format that holds several animations (.glb, .gltf). Splines become
+        the same curves as keys for a format that takes keys (degree 3 at most), else samples.
     profile
         How, where a format knows several ways; `mocurve convert --help` tells them.
     tolerance
@@ -108,8 +109,13 @@ def write(
         raise UnknownName(f"profile of {extension}", profile, form.PROFILES)
     if isinstance(clip, Mapping) and not getattr(form, "SEVERAL", False):
         raise OptionError(f"a {extension} file holds one clip; write {len(clip)} files")
+    from .. import spline  # numbers and nothing heavy, for who writes
+
+    of_samples = getattr(form, "OF_SAMPLES", False)
+    if isinstance(clip, spline.SplineMotion) and extension != ".spline.json" and not of_samples:
+        clip = spline.to_keys(clip)
     lost = "keys" if hasattr(clip, "curves") else "splines" if hasattr(clip, "knots") else None
-    if getattr(form, "OF_SAMPLES", False) and lost:
+    if of_samples and lost:
         warnings.warn(f"{lost} become samples: {extension} files have one at every frame", stacklevel=2)
     form.write(path, clip, **taken)
 

@@ -9,7 +9,6 @@ from ..errors import FileError, MocurveError, OptionError
 from ..keyed import HermiteCurve, KeyedMotion
 from ..motion import Clip
 from ..skeleton import Skeleton
-from ..spline import SplineMotion, to_keys
 from ._clip_json import Reader, document, loaded, rows
 from ._files import Path, opened, replacing
 
@@ -28,10 +27,7 @@ def parsed(raw: bytes, path: Path) -> KeyedMotion:
 
 
 def write(path: Path, clip: Clip, lossless: bool = True) -> None:
-    """Write the keys of a KeyedMotion, or of splines as the same curves, always with all digits; OptionError for a clip
-    that has no keys, Mismatch for splines above degree 3."""
-    if isinstance(clip, SplineMotion):
-        clip = to_keys(clip)
+    """Write the keys of a KeyedMotion, always with all digits; OptionError for a clip that has no keys."""
     if not isinstance(clip, KeyedMotion):
         raise OptionError(f"a .curves.json file holds keys, a {type(clip).__name__} has none: reduce it first")
     encoded = text(clip).encode()
