@@ -167,7 +167,8 @@ def test_a_repeated_run_is_believed_where_the_curve_across_is_simpler() -> None:
     groups = [np.array([0]), np.array([1])]
     curves = np.array([t, t])
     curves[1, 20:26] += 50.0
-    np.testing.assert_array_equal(believed(frozen, y, curves, np.zeros(2), groups), frozen & [[True], [False]])
+    np.testing.assert_array_equal(believed(frozen, y, curves, np.zeros(2), frozen, groups), frozen & [[True], [False]])
+    np.testing.assert_array_equal(believed(frozen, y, curves, np.zeros(2), ~frozen, groups), frozen)
 
 
 def test_limits_of_lengths_follow_the_unit() -> None:

@@ -77,11 +77,17 @@ def repeats(y: np.ndarray) -> np.ndarray:
 
 
 def believed(
-    frozen: np.ndarray, y: np.ndarray, x: np.ndarray, sigma: np.ndarray, groups: Sequence[np.ndarray]
+    frozen: np.ndarray,
+    y: np.ndarray,
+    x: np.ndarray,
+    sigma: np.ndarray,
+    zero: np.ndarray,
+    groups: Sequence[np.ndarray],
 ) -> np.ndarray:
-    """Of the frozen runs (C, n) those where the fit x without them is the simpler curve: it swings less about the chord
-    than the joint leaps, and the joint leaps visibly. A knee that is stopped for long leaves a gap that no curve
-    crosses well, and what rests may well repeat itself."""
+    """Of the frozen runs (C, n) those where the joint leaps visibly; what rests may well repeat itself.
+
+    Where it is zero (C, n) the fit x without the run has to be the simpler curve too, swinging less about the chord
+    than the joint leaps: a knee that is stopped at zero for long leaves a gap that no curve crosses well."""
     out = frozen.copy()
     for group in groups:
         for a, b in runs(frozen[group].any(0)):
@@ -90,7 +96,8 @@ def believed(
             along = np.arange(1, b - a + 1) / (b - a + 1)
             chord = y[group, a - 1, None] + (y[group, b] - y[group, a - 1])[:, None] * along
             swing, leap = np.abs(x[group, a:b] - chord).max(1), np.abs(y[group, a:b] - chord).max(1)
-            if np.linalg.norm(leap) < max(np.linalg.norm(swing), VISIBLE * np.linalg.norm(sigma[group])):
+            stopped = zero[group, a:b].all() and np.linalg.norm(leap) < np.linalg.norm(swing)
+            if stopped or np.linalg.norm(leap) < VISIBLE * np.linalg.norm(sigma[group]):
                 out[group, a:b] = False
     return out
 

@@ -72,6 +72,7 @@ def clean(
     frozen = np.zeros_like(lost)
     for group in groups:
         frozen[group] = artefacts.repeats(y[group])
+    zero = frozen & (y == 0)
     middle = np.median(y, axis=1, keepdims=True)
     y -= middle
     raised: list[steps.Offset] = []
@@ -80,7 +81,7 @@ def clean(
         if frozen.any():
             w = (~(lost | frozen)).astype(np.float64)
             at = smoothing.strength(y, w, pools, strength)
-            frozen = artefacts.believed(frozen, y, smoothing.fit(y, w, at)[0], at.sigma, groups)
+            frozen = artefacts.believed(frozen, y, smoothing.fit(y, w, at)[0], at.sigma, zero, groups)
         filled = bridged(y, lost | frozen)
         level = artefacts.noise_level(filled)
         displaced = steps.offsets(filled, level, body.sharpest, body.leap, artefacts.GAP)
