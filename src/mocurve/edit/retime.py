@@ -33,7 +33,7 @@ def retime(clip: Clip, map: Pairs, *, mode: str = "refit") -> Clip:
         keeps its speed.
     mode
         For splines: refit, the bent curves fitted on moved knots, or knots, where knots are moved and coefficients
-        kept: at once, but only near the bent curves (a warning tells how near). Both are exact for one even speed.
+        only shifted along: at once, but near the bent curves (a warning tells how near). One even speed is exact.
 
     Samples are taken anew at the clip's frame time, keys are moved with their slopes. Errors: OptionError where times
     lie outside the clip or do not rise. A warning where the speed changes by more than a factor of two.
@@ -141,13 +141,17 @@ def _of_spline(clip: SplineMotion, bent: TimeMap, mode: str) -> SplineMotion:
 
 
 def _carried(clip: SplineMotion, moved: SplineMotion, bent: TimeMap) -> np.ndarray:
-    """Coefficients (N, C) for moved knots. A coefficient acts at the mean of its knots, and the mean of moved knots is
-    not the moved mean: what is between, times the slope there, is most of what Sudarsky and House leave as an error."""
+    """Coefficients (N, C) for moved knots, right to the second order where the change of speed is smooth.
+
+    A coefficient is the polar form of its p knots, which is the curve at their mean less half their variance / (p - 1)
+    times its curvature. The mean of moved knots is `late`, and the curvature that the bent time adds makes that as much
+    again, divided by p - 1; Sudarsky and House leave both as an error.
+    """
     place, new = (bspline.greville(spline.knots, clip.degree) for spline in (clip, moved))
     knots, slopes, degree = bspline.derivative(clip.knots, clip.values, clip.degree)
     if degree == 0:  # straight lines meet where their coefficients are
         return clip.values
-    late = bent.back(new) - place
+    late = (bent.back(new) - place) * clip.degree / (clip.degree - 1)
     return clip.values + late[:, None] * bspline.evaluate(knots, slopes, degree, place)
 
 
