@@ -85,6 +85,15 @@ def test_a_cubic_takes_a_single_span() -> None:
     assert len(made.values) == 4
 
 
+@pytest.mark.parametrize("tolerance", ["3deg", "0.5u"])
+def test_uniform_knots_are_and_one_span_fewer_does_not_hold(jumping: mc.Motion, tolerance: str) -> None:
+    made = mc.fit(jumping, tolerance=tolerance, knots="uniform", feet=1.0)
+    spans = len(made.knots) - 7
+    np.testing.assert_allclose(np.diff(made.knots[3:-3]), jumping.duration / spans)
+    told = mc.fit(jumping, knots="uniform", spans=spans - 1).report
+    assert told.max_error_degrees > 3.0 if tolerance == "3deg" else told.max_error_world > 0.5
+
+
 def test_knots_gather_where_the_curve_bends() -> None:
     made = mc.fit(single(wave()), tolerance="0.05deg")
     inner = made.knots[4:-4]

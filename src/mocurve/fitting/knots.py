@@ -85,22 +85,21 @@ def _with_spans(task: Task, spans: int | None, knots: Callable[[int], np.ndarray
     if spans is not None:
         return fitted(task, knots(spans), weighted=0)
     most = max(task.motion.frames - task.degree, 1)  # as many coefficients as frames
-    low, high, found = 0, 1, None  # spans that do not hold; that do, or that samples do not settle
-    while high - low > 1 or found is None:
-        middle = (low + high) // 2 if high - low > 1 else high
+    low, high = 0, 1
+    tried = fitted(task, knots(high))
+    while not tried.holds and high < most:
+        low, high = high, min(2 * high, most)
+        tried = fitted(task, knots(high))
+    found = tried if tried.holds else None
+    while high - low > 1:
+        middle = (low + high) // 2
         tried = fitted(task, knots(middle))
         if tried.holds:
             high, found = middle, tried
-        elif np.isinf(tried.worst):
+        elif np.isinf(tried.worst):  # more spans than samples settle well
             high = middle
         else:
             low = middle
-        if found is None and low == high:
-            if high == most:
-                break
-            high = min(2 * high, most)
-        elif found is None and high - low == 1:
-            break
     return halved(task, knots(low), 1.0) if found is None else found
 
 
