@@ -42,6 +42,7 @@ _HOME = {
     "retime": "edit.retime",
     "loop": "edit.loop",
     "join": "edit.join",
+    "register": "edit.register",
     "render": "draw",
 }
 __all__ = ["__version__", *_HOME]

@@ -158,6 +158,15 @@ def test_standing_still_is_no_cycle() -> None:
             mc.loop(replace(walk(200), values=values))
 
 
+def test_a_missing_sample_is_refused_and_keys_are_told_to_be_sampled() -> None:
+    values = np.array(walk(200).values)
+    values[3, 4] = np.nan
+    with pytest.raises(Mismatch, match="has no value at frame 3"):
+        mc.loop(replace(walk(200), values=values))
+    with pytest.warns(UserWarning, match="keys become samples: a loop is made of frames"):
+        mc.loop(mc.reduce(walk(200), tolerance="0.1deg"), start=0.6)
+
+
 def test_a_root_that_cannot_turn_does_not_walk_in_a_curve() -> None:
     body = replace(BODY, channels=(BODY.channels[0][:3], *BODY.channels[1:]))
     circling = mc.loop(walk(200, 0.5), cycles=3)

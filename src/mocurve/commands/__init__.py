@@ -12,6 +12,7 @@ COMMANDS = {
     "retime": "Moments of a clip moved to other times; smooth in between, never backwards.",
     "refine": "The same number of keys, moved until they follow the clip better.",
     "join": "One motion over into another, where the two look most alike.",
+    "register": "One clip retimed so that it runs in step with another.",
     "loop": "One cycle of a motion, closed and repeated without a seam.",
     "compare": "What changed between two clips: per channel, per joint, and as a page to look at.",
     "info": "What a file holds: skeleton, channels, frames, length unit, and what is odd about it.",

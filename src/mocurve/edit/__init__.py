@@ -14,4 +14,5 @@ VERBS = {
     "retime": "retime",
     "loop": "loop",
     "join": "join",
+    "register": "register",
 }

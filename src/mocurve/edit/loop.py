@@ -19,6 +19,7 @@ from ..kinematics import world
 from ..motion import Clip, Motion
 from ..skeleton import Skeleton
 from . import _cycles
+from ._pair import complete, tell_sampled
 from ._poses import Poses, mixed, motion_of, moved, poses_of, smooth, strung
 from ._seams import bends, centimetres
 
@@ -89,12 +90,13 @@ def loop(
 
     The result has cycles x frames of a cycle + 1 frames: the last pose is the first one, carried on. The last step of
     its `history` has the numbers of `Loop` under "measured". Errors: OptionError where no cycle is found or the times
-    do not lie in the clip, Mismatch where the root has no channels to travel or turn by.
+    do not lie in the clip, Mismatch where samples are missing or the root has no channels to travel or turn by.
 
     >>> walk = mc.loop(mc.read("walk.bvh"), cycles=4)
     """
     _check(start, end, cycles, close)
-    motion = clip.sample()
+    motion = complete(clip.sample())
+    tell_sampled([clip], "a loop is made of frames")
     dropped = int(first_frame_is_t_pose(motion))
     motion = motion[dropped:]
     places = world(motion)
