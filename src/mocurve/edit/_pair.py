@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from .. import hermite, kinematics, rotation
-from ..errors import Mismatch, OptionError, UnknownName
+from ..errors import Mismatch, UnknownName
 from ..keyed import KeyedMotion
 from ..motion import Clip, Motion, unroll
 from ..skeleton import Skeleton
@@ -166,12 +166,6 @@ def check_mode(mode: str, modes: Sequence[str]) -> None:
     """UnknownName for a mode that is none of these."""
     if mode not in modes:
         raise UnknownName("mode", mode, modes)
-
-
-def finite(values: np.ndarray, what: str) -> None:
-    """OptionError where a number is none."""
-    if not np.isfinite(values).all():
-        raise OptionError(f"{what} must be numbers")
 
 
 def whole_turns(apart: np.ndarray) -> np.ndarray:

@@ -37,7 +37,7 @@ def blend(a: Clip, b: Clip, weight: Weight = 0.5, *, mode: str = "rotations", ma
         exact: both have the same joints and channels. names: joints are found by name, others stay as in the first.
 
     Clips of different length are stretched onto one another, and the result lasts as long between them as the mean
-    weight says; its frame time is the first's. What of the body is not motion (the lengths of bones) is the first's.
+    weight says (as the first where joints have weights of their own); its frame time is the first's. What of the body is not motion (the lengths of bones) is the first's.
     Errors: Mismatch naming the first difference of the skeletons, OptionError for a weight, UnknownName for a joint.
 
     >>> half = mc.blend(walk, run, 0.5)
@@ -59,7 +59,7 @@ def blend(a: Clip, b: Clip, weight: Weight = 0.5, *, mode: str = "rotations", ma
 
 def between_clips(a: Clip, b: Clip, rules: tuple[Rule, ...], mode: str, *, nearest: bool = True) -> Clip:
     """Between two clips that were found to match. nearest: whole turns between channels do not count."""
-    share = float(resolve(rules, a.skeleton, _moments(rules, a.duration), 0.0).mean())
+    share = _share(rules, a)
     if mode != "rotations" and same_curves((a, b)) and (constant(rules) or isinstance(a, SplineMotion)):
         return _of_curves(a, b, rules, share, mode, nearest)
     tell_sampled((a, b), _why(mode, a, b))
@@ -69,11 +69,20 @@ def between_clips(a: Clip, b: Clip, rules: tuple[Rule, ...], mode: str, *, neare
 # -- in call order ---------------------------------------------------------------------------------
 
 
+def _share(rules: tuple[Rule, ...], a: Clip) -> float:
+    """The mean weight over time; 0 where joints have weights of their own, so that the first clip keeps its length."""
+    times = _moments(rules, a.duration)
+    weights = resolve(rules, a.skeleton, times, 0.0)
+    if (weights != weights[:, :1]).any():
+        return 0.0
+    one = weights[:, 0] if weights.size else np.zeros(1)
+    return float(one[0] if len(times) < 2 else np.diff(times) @ (one[1:] + one[:-1]) / 2 / (times[-1] - times[0]))
+
+
 def _moments(rules: tuple[Rule, ...], duration: float) -> np.ndarray:
-    """Times at which weights that are straight lines between their points have all their values."""
+    """Times (n,) between which weights are straight lines: the ends of the clip and the rules' own."""
     points = np.concatenate([[0.0, duration], *(rule.times for rule in rules)])
-    ends = np.unique(np.clip(points, 0.0, duration))
-    return np.unique(np.concatenate([ends, np.linspace(0.0, duration, 33)]))
+    return np.unique(np.clip(points, 0.0, duration))
 
 
 def _why(mode: str, a: Clip, b: Clip) -> str:
