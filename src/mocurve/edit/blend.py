@@ -37,7 +37,8 @@ def blend(a: Clip, b: Clip, weight: Weight = 0.5, *, mode: str = "rotations", ma
         exact: both have the same joints and channels. names: joints are found by name, others stay as in the first.
 
     Clips of different length are stretched onto one another, and the result lasts as long between them as the mean
-    weight says (as the first where joints have weights of their own); its frame time is the first's. What of the body is not motion (the lengths of bones) is the first's.
+    weight says (as the first where joints have weights of their own); its frame time is the first's. What of the body
+    is not motion (the lengths of bones) is the first's.
     Errors: Mismatch naming the first difference of the skeletons, OptionError for a weight, UnknownName for a joint.
 
     >>> half = mc.blend(walk, run, 0.5)
