@@ -5,9 +5,9 @@ How the knots are chosen is in a table: adding a way is a function and a line he
 
 from __future__ import annotations
 
-from .knots import by_curvature, fewest, uniform
+from .knots import bisected, by_curvature, fewest, uniform
 from .verb import fit
 
-KNOTS = {"fewest": fewest, "curvature": by_curvature, "uniform": uniform}
+KNOTS = {"fewest": fewest, "bisected": bisected, "curvature": by_curvature, "uniform": uniform}
 
 __all__ = ["KNOTS", "fit"]

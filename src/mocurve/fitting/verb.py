@@ -36,8 +36,8 @@ def fit(
         How far anything may move, as of reduce: in space 2mm 0.1%height 0.35u, or of each channel's value 0.5deg
         0.5%range; LeftHand=0.5mm, @1.2..2.0=0.2mm. None: 0.1%height.
     knots
-        fewest (halve the worst spans, then take out knots), curvature (equal shares of it, weighted by lever arm) or
-        uniform. All channels share them.
+        fewest (halve the worst spans, then take out knots), bisected (halve them only), curvature (equal shares of it,
+        weighted by lever arm) or uniform. All channels share them.
     spans
         So many polynomial pieces (knots: curvature or uniform) instead of a tolerance: nothing is promised, the report
         tells the errors.
@@ -62,7 +62,7 @@ def fit(
     known("way to choose knots", knots, KNOTS)
     if isinstance(degree, bool) or degree not in DEGREES:
         raise OptionError(f"the degree of a spline is a whole number from 1 to 5, not {degree!r}")
-    if spans is not None and (tolerance is not None or knots == "fewest"):
+    if spans is not None and (tolerance is not None or knots not in ("curvature", "uniform")):
         raise OptionError("a number of spans goes with knots 'curvature' or 'uniform', and takes the tolerance's place")
     if spans is not None and (isinstance(spans, bool) or not isinstance(spans, int) or spans < 1):
         raise OptionError(f"spans is a whole number from 1 up, not {spans!r}")
