@@ -95,6 +95,7 @@ def test_retime_moves_moments_and_tells_speeds(files: Path, capsys: pytest.Captu
     told = run(capsys, "retime", files / "a.npz", "-o", out, "--map", "0.5:0.6", "--map", "0.75:0.8")
     assert apart(mc.read(out)[72:73], mc.read(files / "a.npz")[60:61]) < 1e-9
     assert told["map"][:3] == [[0.0, 0.0], [0.5, 0.6], [0.75, 0.8]]
+    assert run(capsys, "retime", files / "a.npz", "-o", out, "--map", "0.5:0.6", "0.75:0.8")["map"] == told["map"]
     assert told["speed"]["least"] < 0.9 < 1.1 < told["speed"]["greatest"]
 
 

@@ -13,7 +13,9 @@ from ._edits import Edited, Lossless, Output, check_files, finish
 from ._options import Json, Profile, Source, with_options_of
 from ._terminal import told_when_compiling
 
-Map = Annotated[list[str], Parameter(help="Old time and new one, seconds, T:NEW. Give it as often as needed.")]
+Map = Annotated[
+    list[str], Parameter(help="Old time and new one, seconds, T:NEW, as many as needed.", consume_multiple=True)
+]
 
 
 @with_options_of(verb.retime)
@@ -35,7 +37,7 @@ def retime(
 
     For example:
       mocurve retime jump.bvh -o slower.bvh --map 3.49:5
-      mocurve retime jump.curves.json -o land.curves.json --map 2.0:2.0 --map 2.4:3.0
+      mocurve retime jump.curves.json -o land.curves.json --map 2:2 2.4:2.6
     """
     check_files(output, file)
     clip = read(file)
