@@ -1,4 +1,4 @@
-"""Make the picture of the README from the shipped capture: docs/pictures/curve.png.
+"""Make the pictures of README and docs from the shipped capture: docs/pictures/curve.png, loop.png.
 
 python scripts/make_pictures.py
 """
@@ -17,3 +17,4 @@ if __name__ == "__main__":
     PICTURES.mkdir(exist_ok=True)
     jump = mc.read(example())
     curves(jump, mc.reduce(jump, tolerance="0.5%height"), "LeftLeg.Xrotation", PICTURES / "curve.png")
+    mc.render(mc.loop(jump, cycles=3), PICTURES / "loop.png")

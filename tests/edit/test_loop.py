@@ -49,6 +49,7 @@ def test_the_last_pose_is_the_first_one_carried_on(close: str) -> None:
     np.testing.assert_allclose(places[frames:], planar.move(step, places[:-frames]), atol=1e-6)
 
 
+@pytest.mark.filterwarnings("ignore:the seam shows")
 def test_each_way_to_close_meets_better_than_the_one_before() -> None:
     clip = drifting(walk(200), 6.0)
     natural = bends(world(clip)).max()
@@ -156,6 +157,11 @@ def test_standing_still_is_no_cycle() -> None:
     for values in (still, still + 0.01 * np.sin(np.arange(200) / 10.0)[:, None]):
         with pytest.raises(OptionError, match="no cycle is found"):
             mc.loop(replace(walk(200), values=values))
+
+
+def test_a_seam_that_shows_is_told() -> None:
+    with pytest.warns(UserWarning, match=r"the seam shows, .* cm apart"):
+        mc.loop(walk(200), start=0.6, end=1.1, close="linear")
 
 
 def test_a_missing_sample_is_refused_and_keys_are_told_to_be_sampled() -> None:

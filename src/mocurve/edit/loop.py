@@ -6,6 +6,7 @@ of a cycle is a planar rigid motion, so that a walk in a curve goes on along its
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from typing import Any
@@ -91,6 +92,7 @@ def loop(
     The result has cycles x frames of a cycle + 1 frames: the last pose is the first one, carried on. The last step of
     its `history` has the numbers of `Loop` under "measured". Errors: OptionError where no cycle is found or the times
     do not lie in the clip, Mismatch where samples are missing or the root has no channels to travel or turn by.
+    A warning where the seam shows.
 
     >>> walk = mc.loop(mc.read("walk.bvh"), cycles=4)
     """
@@ -107,6 +109,7 @@ def loop(
     made = _repeated(closed, motion, first, step, cycles)
     twice = made if cycles > 1 else _repeated(closed, motion, first, step, 2)
     found = _measured(motion, places, bend, (first, last, dropped), step, world(twice))
+    _tell_seam(found, bend)
     told = {"verb": "loop", "start": start, "end": end, "cycles": cycles, "close": close, "measured": found.to_json()}
     return replace(made, history=(*clip.history, told), report=None)
 
@@ -257,3 +260,14 @@ def _measured(
         jump=scale * jump,
         acceleration=jump / usual if usual > 0 else 0.0,
     )
+
+
+def _tell_seam(found: Loop, bend: np.ndarray) -> None:
+    """A warning where the seam is rougher than anything in the clip."""
+    usual = float(np.percentile(bend, 95))
+    if found.acceleration * usual > 1.05 * bend.max():
+        warnings.warn(
+            f"the seam shows, its acceleration is {found.acceleration:.2g} times the usual largest: the ends of the "
+            f"cycle are {found.distance:.3g} {found.unit} apart",
+            stacklevel=3,
+        )
