@@ -186,6 +186,11 @@ def test_options_that_cannot_be_are_refused(options: dict[str, object], words: s
     assert words in str(caught.value)
 
 
+def test_more_spans_than_numbers_can_settle_are_refused() -> None:
+    with pytest.raises(mc.OptionError, match="the 420 frames do not settle 417 spans of degree 3: take fewer"):
+        mc.fit(mc.read(mc.data.example()), knots="uniform", spans=417)
+
+
 def test_too_few_frames_and_gaps_are_refused() -> None:
     with pytest.raises(mc.Mismatch, match="takes 4 frames or more, the clip has 3"):
         mc.fit(single([1, 2, 3]), tolerance="1deg")

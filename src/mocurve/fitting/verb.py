@@ -80,6 +80,8 @@ def fit(
             f"{motion.frames} frames settle at most {motion.frames - degree} spans of degree {degree}, not {spans}"
         )
     found = KNOTS[knots](task_of(asked, degree, ends), spans)
+    if found.worst == float("inf"):
+        raise OptionError(f"the {motion.frames} frames do not settle {spans} spans of degree {degree}: take fewer")
     if spans is None and not found.holds:
         raise OptionError(
             f"the tolerance is finer than the rounding of a spline of degree {degree} through every frame; ask for more"
