@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from walks import BODY, PERIOD, STEP, drifting, walk
+from walks import BODY, PERIOD, PLACE, STEP, drifting, walk
 
 import mocurve as mc
-from mocurve import Mismatch, Motion, OptionError, UnknownName, cli, planar
+from mocurve import Mismatch, Motion, OptionError, Skeleton, UnknownName, cli, planar
 from mocurve.edit._seams import bends
 from mocurve.edit.loop import CLOSINGS, Loop
 from mocurve.kinematics import world
@@ -81,6 +81,15 @@ def test_what_needs_no_closing_stays_to_the_last_digit() -> None:
 def test_a_joint_with_two_axes_is_closed_with_what_it_can_express() -> None:
     made = mc.loop(drifting(walk(200), 5.0), start=0.6, cycles=2)  # the head has two
     assert bends(world(made)).max() < 1.2 * bends(world(walk(200))).max()
+
+
+def test_markers_without_rotations_walk_in_a_curve_too() -> None:
+    clip = walk(200, 0.5)
+    places, names = world(clip), clip.skeleton.names
+    body = Skeleton(names, [-1] * len(names), np.zeros((len(names), 3)), (PLACE,) * len(names), unit=0.01)
+    markers = Motion(body, places.reshape(clip.frames, -1), STEP)
+    cut = {"start": 40 * STEP, "end": (40 + PERIOD) * STEP, "cycles": 3}
+    np.testing.assert_allclose(world(mc.loop(markers, **cut)), world(mc.loop(clip, **cut)), atol=1e-6)
 
 
 def test_a_t_pose_in_front_is_no_part_of_it() -> None:

@@ -44,7 +44,8 @@ def motion_of(poses: Poses, base: Motion) -> Motion:
     """The motion in these poses. Joints that stand as in `base` (of as many frames) keep its channels.
 
     A joint below a root that has fewer than three rotation channels gets the nearest rotation that they can express: a
-    mix of two such rotations lies a little beside them. Mismatch where a root lacks a channel to go or turn by.
+    mix of two such rotations lies a little beside them. So does a root that carries nothing (a marker). Mismatch where
+    another root lacks a channel to go or turn by.
     """
     skeleton = base.skeleton
     columns, joints, axes = _positions(skeleton)
@@ -95,6 +96,7 @@ def _expressible(turns: np.ndarray, skeleton: Skeleton) -> np.ndarray:
     turns = turns.copy()
     for joint, kinds in enumerate(skeleton.channels):
         order = "".join(kind[0] for kind in kinds if kind.endswith("rotation"))
-        if len(order) < 3 and skeleton.parents[joint] >= 0:
+        turns_others = skeleton.parents[joint] < 0 and joint in skeleton.parents
+        if len(order) < 3 and not turns_others:
             turns[:, joint] = rotation.from_euler(rotation.to_euler(turns[:, joint], order), order)
     return turns
