@@ -85,13 +85,14 @@ class SplineMotion:
 
 def refined(clip: SplineMotion, knots: np.ndarray) -> SplineMotion:
     """The same curves on finer knots (seconds), which hold the clip's own; exact, by the Oslo algorithm."""
-    return replace(clip, knots=knots, values=bspline.refine(clip.knots, clip.values, clip.degree, knots))
+    values = bspline.refine(clip.knots, clip.values, clip.degree, knots)
+    return replace(clip, knots=knots, values=values, report=None)
 
 
 def clamped(clip: SplineMotion) -> SplineMotion:
     """The same curves on clamped knots: they begin at their first coefficient and end at their last one."""
     knots, values = bspline.clamp(clip.knots, clip.values, clip.degree)
-    return replace(clip, knots=knots, values=values)
+    return replace(clip, knots=knots, values=values, report=None)
 
 
 def raised(clip: SplineMotion, degree: int) -> SplineMotion:
@@ -103,7 +104,7 @@ def raised(clip: SplineMotion, degree: int) -> SplineMotion:
     knots, values, now = clip.knots, clip.values, clip.degree
     while now < degree:
         knots, values, now = bspline.raise_degree(knots, values, now)
-    return replace(clip, knots=knots, values=values, degree=now)
+    return replace(clip, knots=knots, values=values, degree=now, report=None)
 
 
 def align(a: Kind, b: Kind) -> tuple[Kind, Kind]:
