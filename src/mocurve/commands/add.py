@@ -26,7 +26,8 @@ def add(
 ) -> None:
     """A displacement put onto a clip.
 
-    `mocurve difference` makes one. Each joint is turned by it in its own frame. Both must be equally long.
+    `mocurve difference` makes one. Each joint is turned by it in its own frame.
+    Both must be equally long.
 
     For example:
       mocurve add limp.npz run.bvh -o limping-run.bvh

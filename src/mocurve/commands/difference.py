@@ -26,8 +26,8 @@ def difference(
 ) -> None:
     """What is to be added to one clip to get another: a displacement, itself a clip.
 
-    Added to the second clip it gives the first. Both must be equally long. `mocurve scale` makes more or less of it, `mocurve
-    add` puts it onto a clip.
+    Added to the second clip it gives the first. Both must be equally long.
+    `mocurve scale` makes more or less of it, `mocurve add` puts it onto a clip.
 
     For example:
       mocurve difference limping.bvh walking.bvh -o limp.npz
