@@ -16,7 +16,7 @@ Output = Annotated[
     Path | None,
     Parameter(
         name=("--output", "-o"),
-        help="Where the result goes: .spline.json keeps the splines, .curves.json .blend.py .glb .usda .ma get the same "
+        help="Where the result goes: .spline.json keeps the splines, .curves.json .blend.py .glb .usda .ma the same "
         "curves as keys, others samples.",
     ),
 ]
