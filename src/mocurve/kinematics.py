@@ -14,7 +14,6 @@ import numpy as np
 from . import rotation
 from .errors import Mismatch
 from .motion import Motion
-from .skeleton import Skeleton
 
 SAME_DEGREES = 1e-9  # rotations as near as this are the same one: the channels stay as they are
 EXPRESSIBLE_DEGREES = 1e-6
@@ -46,7 +45,7 @@ def world(motion: Motion) -> np.ndarray:
 def rotations(motion: Motion) -> np.ndarray:
     """Quaternions (F, J, 4) wxyz: each joint's rotation against its parent; (1, 0, 0, 0) where it has no channels."""
     result = np.empty((motion.frames, len(motion.skeleton.names), 4))
-    for joint, (columns, order) in enumerate(_turning(motion.skeleton)):
+    for joint, (columns, order) in enumerate(motion.skeleton.eulers):
         result[:, joint] = rotation.from_euler(motion.values[:, columns], order)
     return result
 
@@ -67,7 +66,7 @@ def with_rotations(motion: Motion, wxyz: np.ndarray) -> Motion:
     values = np.array(motion.values, order="F")
     changed = np.any(rotation.angle(before, wxyz) > SAME_DEGREES, axis=0)
     lost = np.zeros(odd.shape)
-    for joint, (columns, order) in enumerate(_turning(motion.skeleton)):
+    for joint, (columns, order) in enumerate(motion.skeleton.eulers):
         if not changed[joint]:
             continue
         angles = rotation.to_euler(wxyz[:, joint], order)
@@ -113,17 +112,6 @@ def reach(motion: Motion) -> np.ndarray:
         if parent >= 0:
             longest[parent] = max(longest[parent], bones[joint] + longest[joint])
     return longest
-
-
-def _turning(skeleton: Skeleton) -> list[tuple[list[int], str]]:
-    """For each joint the columns of its rotation channels and their order, "ZYX"."""
-    result = []
-    first = 0
-    for kinds in skeleton.channels:
-        columns = [first + i for i, kind in enumerate(kinds) if kind.endswith("rotation")]
-        result.append((columns, "".join(kinds[column - first][0] for column in columns)))
-        first += len(kinds)
-    return result
 
 
 def _refuse(motion: Motion, bad: np.ndarray, what: str) -> None:

@@ -241,15 +241,12 @@ def _warn(text: str) -> None:
 def _written_like(skeleton: Skeleton, a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """`a` (F, C) with each rotation written, by whole turns and the equivalent triple, as near to `b` as it can be."""
     written = np.array(a, order="F")
-    first = 0
-    for kinds in skeleton.channels:
-        turning = [first + i for i, kind in enumerate(kinds) if kind.endswith("rotation")]
-        first += len(kinds)
+    for turning, order in skeleton.eulers:
         if not turning:
             continue
         plain = _nearest_turn(a[:, turning], b[:, turning])
         written[:, turning] = plain
-        if sorted(kinds[k - first][0] for k in turning) == sorted(AXES):
+        if sorted(order) == sorted(AXES):
             other = _nearest_turn(a[:, turning] * (1, -1, 1) + 180.0, b[:, turning])
             nearer = _worst(other, b[:, turning]) < _worst(plain, b[:, turning]) - 1e-9
             written[:, turning] = np.where(nearer[:, None], other, plain)

@@ -118,10 +118,6 @@ def unroll(motion: Motion, *, triples: bool = True) -> Motion:
         rotates = motion.skeleton.rotation_channels
         values[:, rotates] = np.unwrap(values[:, rotates], period=360.0, axis=0)
         return replace(motion, values=values)
-    first = 0
-    for kinds in motion.skeleton.channels:
-        turning = [first + i for i, kind in enumerate(kinds) if kind.endswith("rotation")]
-        order = "".join(kinds[k - first][0] for k in turning)
-        values[:, turning] = rotation.unroll_euler(values[:, turning], order)
-        first += len(kinds)
+    for columns, order in motion.skeleton.eulers:
+        values[:, columns] = rotation.unroll_euler(values[:, columns], order)
     return replace(motion, values=values)

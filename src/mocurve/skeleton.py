@@ -97,6 +97,16 @@ class Skeleton:
         """(C,) True where the channel is a rotation (degrees), False where a position (file length)."""
         return np.array([kind.endswith("rotation") for kinds in self.channels for kind in kinds], bool)
 
+    @property
+    def eulers(self) -> list[tuple[list[int], str]]:
+        """For each joint the columns of its rotation channels and the order of their axes, "ZYX"."""
+        found, first = [], 0
+        for kinds in self.channels:
+            columns = [first + i for i, kind in enumerate(kinds) if kind.endswith("rotation")]
+            found.append((columns, "".join(kinds[column - first][0] for column in columns)))
+            first += len(kinds)
+        return found
+
     # -- names ---------------------------------------------------------------------------------
     def joint(self, name: str) -> int:
         """Index of a joint by name; UnknownName with the nearest name where there is none, Mismatch where there are

@@ -130,11 +130,7 @@ def _chosen(motion: Motion, names: Sequence[str]) -> np.ndarray:
 def _unrolled(motion: Motion, chosen: np.ndarray) -> Motion:
     """The rotations of joints with a chosen channel without jumps of notation, looking past missing samples."""
     values = np.array(motion.values, order="F")
-    first = 0
-    for kinds in motion.skeleton.channels:
-        turning = [first + i for i, kind in enumerate(kinds) if kind.endswith("rotation")]
-        order = "".join(kinds[k - first][0] for k in turning)
-        first += len(kinds)
+    for turning, order in motion.skeleton.eulers:
         there = np.isfinite(values[:, turning]).all(1)
         if turning and chosen[turning].any() and there.sum() > 1:
             values[np.ix_(there, turning)] = rotation.unroll_euler(values[np.ix_(there, turning)], order)

@@ -20,14 +20,11 @@ MEAN_STEPS, MEAN_RADIANS = 20, 1e-13
 
 def free_joints(skeleton: Skeleton) -> list[tuple[int, list[int], str]]:
     """(joint, columns of its rotation channels, their order) of the joints whose channels can express any rotation."""
-    found, first = [], 0
-    for joint, kinds in enumerate(skeleton.channels):
-        columns = [first + i for i, kind in enumerate(kinds) if kind.endswith("rotation")]
-        order = "".join(kinds[column - first][0] for column in columns)
-        first += len(kinds)
-        if len(order) == 3 and order[1] not in (order[0], order[2]):
-            found.append((joint, columns, order))
-    return found
+    return [
+        (joint, columns, order)
+        for joint, (columns, order) in enumerate(skeleton.eulers)
+        if len(order) == 3 and order[1] not in (order[0], order[2])
+    ]
 
 
 def between(a: np.ndarray, b: np.ndarray) -> np.ndarray:

@@ -17,7 +17,7 @@ from ..keyed import HermiteCurve, KeyedMotion
 from ..motion import Motion
 from ..skeleton import AXES
 from ._gltf_buffer import key_times
-from ._gltf_write_tracks import JointTracks, Track, local_places, moving, turning
+from ._gltf_write_tracks import JointTracks, Track, local_places, moving
 
 MOST_DEGREES = 1e-3  # off the curves, of a joint's own rotation; players are within twice that
 MOST_LENGTH = 8e-4  # off the curves in the world, file units; players are within 1e-3
@@ -31,7 +31,7 @@ def tracks(clip: KeyedMotion, motion: Motion) -> JointTracks:
     """Cubic keys of every joint; `motion` is the clip's own sampling."""
     curves = [_on_frames(curve, clip.frame_time) for curve in clip.curves]
     ends = np.unique([0.0, clip.duration])
-    channels = list(zip(turning(clip.skeleton), moving(clip.skeleton), strict=True))
+    channels = list(zip(clip.skeleton.eulers, moving(clip.skeleton), strict=True))
     positions: list[Track | None] = []
     for (_, axes), offset in zip(channels, clip.skeleton.offsets.tolist(), strict=True):
         moved = [curves[axes[axis]] if axis in axes else _still(offset[axis]) for axis in range(3)]
@@ -66,7 +66,7 @@ def _limits(motion: Motion) -> np.ndarray:
     Each joint of a chain gets the same part of it, at the end of the longest chain of bones below.
     """
     skeleton = motion.skeleton
-    moves = [bool(columns) and np.ptp(motion.values[:, columns], axis=0).any() for columns, _ in turning(skeleton)]
+    moves = [bool(columns) and np.ptp(motion.values[:, columns], axis=0).any() for columns, _ in skeleton.eulers]
     chain = np.array(moves, np.int64)  # joints that turn, from the root to here
     for joint, parent in enumerate(skeleton.parents):
         chain[joint] += chain[parent] if parent >= 0 else 0

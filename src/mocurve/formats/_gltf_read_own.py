@@ -146,10 +146,9 @@ def _values(nodes: Tree, animation: Animation, written: _Written) -> np.ndarray:
     """The channels (F, C) in their own order; rotations go on from the triple that they started with."""
     values = np.empty((written.frames.total, written.body.channel_count), order="F")
     at = 0
-    for node, kinds in zip(written.joints, written.body.channels, strict=True):
-        turning = [at + i for i, kind in enumerate(kinds) if kind.endswith("rotation")]
+    body = written.body
+    for node, kinds, (turning, order) in zip(written.joints, body.channels, body.eulers, strict=True):
         if turning:
-            order = "".join(kinds[column - at][0] for column in turning)
             angles = rotation.to_euler(tracks.play(animation, nodes, node, "rotation", written.frames), order)
             near = rotation.unroll_euler(np.vstack([written.start[None, turning], angles]), order)
             values[:, turning] = near[1:]

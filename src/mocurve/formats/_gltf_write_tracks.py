@@ -46,17 +46,6 @@ def joint_tracks(clip: Clip, motion: Motion, profile: str, tolerance: str | None
     return _gltf_cubic.tracks(clip, motion)
 
 
-def turning(skeleton: Skeleton) -> list[tuple[list[int], str]]:
-    """For each joint the columns of its rotation channels and their order, "ZYX"."""
-    found = []
-    first = 0
-    for kinds in skeleton.channels:
-        columns = [first + i for i, kind in enumerate(kinds) if kind.endswith("rotation")]
-        found.append((columns, "".join(kinds[column - first][0] for column in columns)))
-        first += len(kinds)
-    return found
-
-
 def moving(skeleton: Skeleton) -> list[dict[int, int]]:
     """For each joint {0, 1, 2 for X, Y, Z: column} of its position channels."""
     found: list[dict[int, int]] = [{} for _ in skeleton.names]
@@ -77,7 +66,7 @@ def local_places(motion: Motion) -> np.ndarray:
 def _baked(motion: Motion) -> JointTracks:
     times = np.arange(motion.frames) * motion.frame_time
     wxyz, places = rotation.unroll(kinematics.rotations(motion)), local_places(motion)
-    paths = (wxyz, [columns for columns, _ in turning(motion.skeleton)]), (places, moving(motion.skeleton))
+    paths = (wxyz, [columns for columns, _ in motion.skeleton.eulers]), (places, moving(motion.skeleton))
     tracks = [
         tuple(_rounded(Track(times, keys[:, j]), motion.frame_time) if has else None for j, has in enumerate(channels))
         for keys, channels in paths
