@@ -11,7 +11,7 @@ import numpy as np
 from .. import hermite, kinematics, rotation
 from ..errors import Mismatch, UnknownName
 from ..keyed import KeyedMotion
-from ..motion import Clip, Motion, unroll
+from ..motion import Clip, History, Motion, unroll
 from ..skeleton import Skeleton
 from ..spline import SplineMotion
 from ._turns import free_joints
@@ -160,6 +160,11 @@ def tell_sampled(clips: Sequence[Clip], why: str) -> None:
     lost = [kinds[type(clip)] for clip in clips if type(clip) in kinds]
     if lost:
         warnings.warn(f"{lost[0]} become samples: {why}", stacklevel=3)
+
+
+def recorded(made: Clip, history: History) -> Clip:
+    """The clip with these steps as its history. What a report measured of it before is no longer true of it."""
+    return replace(made, history=history, report=None)  # type: ignore[type-var]  # every kind of clip is a dataclass
 
 
 def check_mode(mode: str, modes: Sequence[str]) -> None:

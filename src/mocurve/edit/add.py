@@ -11,7 +11,7 @@ from .. import kinematics, rotation
 from ..keyed import HermiteCurve
 from ..motion import Clip, Motion, unroll
 from ..spline import SplineMotion, align
-from ._pair import check, check_mode, same_curves, side_by_side, tell_sampled
+from ._pair import check, check_mode, recorded, same_curves, side_by_side, tell_sampled
 from ._turns import free_joints
 from .difference import MODES
 
@@ -36,7 +36,7 @@ def add(displacement: Clip, clip: Clip, *, mode: str | None = None, match: str =
     history = (*clip.history, step)
     if mode == "curves" and same_curves((clip, displacement)):
         check(clip.skeleton, displacement.skeleton, match)
-        return replace(_of_curves(clip, displacement), history=history, report=None)  # type: ignore[type-var]
+        return recorded(_of_curves(clip, displacement), history)
     keys_lost = "joints turn frame by frame (mode curves keeps keys)"
     tell_sampled((clip, displacement), keys_lost if mode == "rotations" else "both clips must be keys, or both splines")
     base, by, had = side_by_side(clip, displacement, match, "add")

@@ -13,7 +13,7 @@ from ..errors import Mismatch, OptionError
 from ..keyed import HermiteCurve, KeyedMotion
 from ..motion import Clip, Motion, frame_count, unroll
 from ..spline import SplineMotion, align, clamped, raised
-from ._pair import at_times, check, check_mode, onto, same_curves, tell_sampled, whole_turns
+from ._pair import at_times, check, check_mode, onto, recorded, same_curves, tell_sampled, whole_turns
 from ._time import length_of, stretched
 from ._turns import between, free_joints, part
 from ._weights import Rule, Weight, constant, parse, resolve, told
@@ -52,10 +52,10 @@ def blend(a: Clip, b: Clip, weight: Weight = 0.5, *, mode: str = "rotations", ma
         raise Mismatch("blend needs clips with frames, not a clip with none")
     everywhere = resolve(rules, a.skeleton, _moments(rules, a.duration), 0.0)
     if not everywhere.any():
-        return replace(a, history=history, report=None)  # type: ignore[type-var]
+        return recorded(a, history)
     if (everywhere == 1).all() and type(a) is type(b) and a.skeleton.channel_names == b.skeleton.channel_names:
-        return replace(b, skeleton=a.skeleton, history=history, report=None)  # type: ignore[type-var]
-    return replace(between_clips(a, b, rules, mode), history=history, report=None)  # type: ignore[type-var]
+        return recorded(replace(b, skeleton=a.skeleton), history)  # type: ignore[type-var]
+    return recorded(between_clips(a, b, rules, mode), history)
 
 
 def between_clips(a: Clip, b: Clip, rules: tuple[Rule, ...], mode: str, *, nearest: bool = True) -> Clip:

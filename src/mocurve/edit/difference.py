@@ -11,7 +11,7 @@ from .. import kinematics, rotation
 from ..keyed import HermiteCurve
 from ..motion import Clip, Motion, unroll
 from ..spline import SplineMotion, align
-from ._pair import check, check_mode, same_curves, side_by_side, tell_sampled, whole_turns
+from ._pair import check, check_mode, recorded, same_curves, side_by_side, tell_sampled, whole_turns
 from ._turns import free_joints
 
 MODES = ("rotations", "curves")
@@ -37,7 +37,7 @@ def difference(a: Clip, b: Clip, *, mode: str = "rotations", match: str = "exact
     history = (*a.history, {"verb": "difference", "mode": mode, "match": match, "with": list(b.history)})
     if mode == "curves" and same_curves((a, b)):
         check(a.skeleton, b.skeleton, match)
-        return replace(_of_curves(a, b), history=history, report=None)  # type: ignore[type-var]
+        return recorded(_of_curves(a, b), history)
     keys_lost = "joints turn frame by frame (mode curves keeps keys)"
     tell_sampled((a, b), keys_lost if mode == "rotations" else "both clips must be keys, or both splines")
     first, second, had = side_by_side(a, b, match, "difference")

@@ -10,7 +10,7 @@ import numpy as np
 from .. import kinematics, rotation
 from ..errors import Mismatch, OptionError
 from ..motion import Clip, Motion, frame_count, unroll
-from ._pair import at_times, check, check_mode, onto, same_curves, tell_sampled, whole_turns
+from ._pair import at_times, check, check_mode, onto, recorded, same_curves, tell_sampled, whole_turns
 from ._turns import between, free_joints, mean
 from ._weights import parse
 from .blend import between_clips
@@ -52,7 +52,7 @@ def mix(clips: Sequence[Clip], weights: Sequence[float], *, mode: str = "rotatio
         same = "all clips must be keys, or all splines, with the same channels"
         tell_sampled(clips, same if mode == "curves" else "joints turn frame by frame (mode curves keeps keys)")
         made = _of_samples(clips, shares, mode)
-    return replace(made, history=history, report=None)  # type: ignore[type-var]
+    return recorded(made, history)
 
 
 # -- in call order ---------------------------------------------------------------------------------

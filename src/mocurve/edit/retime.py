@@ -14,7 +14,7 @@ from ..errors import OptionError
 from ..keyed import HermiteCurve, KeyedMotion
 from ..motion import Clip, frame_count
 from ..spline import SplineMotion, clamped, refined
-from ._pair import at_times, check_mode
+from ._pair import at_times, check_mode, recorded
 from ._slopes import speeds
 from ._time import Pairs, TimeMap, length_of, pairs_of
 
@@ -52,7 +52,7 @@ def retime(clip: Clip, map: Pairs, *, mode: str = "refit") -> Clip:
     else:
         new = np.arange(frame_count(float(bent.new[-1]), clip.frame_time)) * clip.frame_time
         made = at_times(clip, bent.back(new), clip.frame_time)
-    return replace(made, history=history, report=None)  # type: ignore[type-var]
+    return recorded(made, history)
 
 
 def time_map(clip: Clip, map: Pairs) -> TimeMap:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..keyed import HermiteCurve, KeyedMotion
 from ..motion import Clip
-from ._pair import check_mode
+from ._pair import check_mode, recorded
 from ._weights import Rule, Weight, parse, told
 from .add import mode_of
 from .blend import MODES, between_clips
@@ -35,7 +35,7 @@ def scale(displacement: Clip, factor: Weight, *, mode: str | None = None) -> Cli
     history = (*displacement.history, {"verb": "scale", "factor": told(rules), "mode": mode})
     others = Rule(None, np.zeros(1), np.ones(1))
     made = between_clips(_nothing(displacement), displacement, (others, *rules), mode, nearest=False)
-    return replace(made, history=history, report=None)  # type: ignore[type-var]
+    return recorded(made, history)
 
 
 def _nothing(displacement: Clip) -> Clip:

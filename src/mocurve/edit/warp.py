@@ -16,7 +16,7 @@ from ..keyed import HermiteCurve, KeyedMotion
 from ..motion import Clip, Motion
 from ..skeleton import Skeleton, matching
 from ..spline import SplineMotion, align, of_keys
-from ._pair import check, check_mode, complete, tell_sampled
+from ._pair import check, check_mode, complete, recorded, tell_sampled
 from ._slopes import limited, rate_of, smooth
 from ._turns import free_joints
 
@@ -109,7 +109,7 @@ def warp(
         step["constraints"] = [[names[c.channel], c.time, c.value] for c in constraints]
     else:
         step |= {"only": only if isinstance(only, str) else list(only), "pose": list(pose.history)}
-    return replace(made, history=(*clip.history, step), report=None)  # type: ignore[type-var]
+    return recorded(made, (*clip.history, step))
 
 
 def at_frames(clip: Clip, times: np.ndarray) -> np.ndarray:
