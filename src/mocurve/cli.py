@@ -44,7 +44,8 @@ def application(asked: str | None = None) -> App:
     app["--help"].group = app["--version"].group = "Also"
     for place, (name, summary) in enumerate(COMMANDS.items()):
         told = None if name == asked else summary
-        app.command(f"mocurve.commands.{name}:{name}", name=name, help=told, sort_key=place)
+        home = name.replace("-", "_")
+        app.command(f"mocurve.commands.{home}:{home}", name=name, help=told, sort_key=place)
     return app
 
 
