@@ -31,6 +31,7 @@ LAYERS = [
     "fitting",
     "formats",
     "edit",
+    "recipe",
     "report draw",
     "commands",
     "cli",

@@ -33,6 +33,7 @@ _HOME = {
     "fit": "fitting",
     "refine": "reduction",
     "compare": "measure",
+    "trim": "edit.trim",
     "blend": "edit.blend",
     "mix": "edit.mix",
     "difference": "edit.difference",
@@ -44,9 +45,10 @@ _HOME = {
     "join": "edit.join",
     "register": "edit.register",
     "render": "draw",
+    "run": "recipe",
 }
 __all__ = ["__version__", *_HOME]
-__version__ = "0.2.0"
+__version__ = "0.3.0"
 
 
 def __getattr__(name: str) -> Any:

@@ -40,6 +40,11 @@ def checked_frame_time(frame_time: float) -> float:
     return float(frame_time)
 
 
+def trimmed(start: float, end: float) -> dict[str, Any]:
+    """The step of a history that says which piece was kept (seconds)."""
+    return {"verb": "trim", "start": start, "end": end}
+
+
 def frame_count(duration: float, frame_time: float) -> int:
     """How many frames at this frame time lie within the duration (seconds), both ends included."""
     return int(np.floor(duration / frame_time + 1e-6)) + 1
@@ -79,7 +84,12 @@ class Motion:
         """Some of the frames: motion[100:200] keeps frames 100 to 199."""
         if not isinstance(span, slice) or span.step not in (None, 1):
             raise OptionError("frames are cut with a plain slice, motion[first:last]")
-        return replace(self, values=self.values[span].copy(order="F"), report=None)
+        first, last, _ = span.indices(self.frames)
+        kept = self.values[span].copy(order="F")
+        history = self.history
+        if 0 < len(kept) < self.frames:
+            history = (*history, trimmed(first * self.frame_time, (last - 1) * self.frame_time))
+        return replace(self, values=kept, history=history, report=None)
 
     @property
     def frames(self) -> int:

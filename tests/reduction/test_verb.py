@@ -232,7 +232,7 @@ def test_keys_can_be_reduced_further(cut: Motion, samples: Samples) -> None:
     turning = cut.skeleton.rotation_channels
     assert np.abs(samples(coarse) - samples(fine))[:, turning].max() <= 1.0
     assert apart(cut, samples(coarse))[:, turning].max() <= 1.1
-    assert [step["tolerance"] for step in coarse.history] == [["0.1deg"], ["1deg"]]
+    assert [step["tolerance"] for step in coarse.history[-2:]] == [["0.1deg"], ["1deg"]]
 
 
 def test_a_wrap_at_the_half_turn_costs_no_key() -> None:

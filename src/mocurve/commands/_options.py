@@ -13,8 +13,7 @@ from typing import Annotated, Any, get_type_hints
 from cyclopts import Parameter
 
 from ..errors import OptionError
-
-_ONLY_TYPED = ("Clip", "Motion", "KeyedMotion", "SplineMotion")  # nouns in the signatures of read and write
+from ..recipe import hints
 
 Source = Annotated[
     Path, Parameter(help="A clip: .bvh .glb .npz .c3d .asf+.amc, or keys: .curves.json (all: mocurve convert --help)")
@@ -51,15 +50,13 @@ def with_options_of(*verbs: Callable[..., Any]) -> Callable[[Callable[..., None]
 
 
 def _options(verb: Callable[..., Any]) -> list[inspect.Parameter]:
-    # what the type checker alone imports need not be loaded: only the hints of options are looked at
-    names = {**vars(inspect.getmodule(verb)), **dict.fromkeys(_ONLY_TYPED, Any)}
-    hints, told = get_type_hints(verb, names), _told(verb.__doc__ or "")
+    kinds, told = hints(verb), _told(verb.__doc__ or "")
     options = []
     for option in inspect.signature(verb).parameters.values():
         if option.kind is option.KEYWORD_ONLY:
             off = f"--no-{option.name}" if option.default is True else None
             given = Parameter(help=told[option.name], negative=off)
-            options.append(option.replace(annotation=Annotated[_typed(hints[option.name]), given]))
+            options.append(option.replace(annotation=Annotated[_typed(kinds[option.name]), given]))
     return options
 
 

@@ -5,6 +5,7 @@ before it is asked for.
 """
 
 VERBS = {
+    "trim": "trim",
     "blend": "blend",
     "mix": "mix",
     "difference": "difference",

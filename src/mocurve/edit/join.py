@@ -120,7 +120,7 @@ def join(
         tried.append((i, after, _measured(a, fitted, after, (i, j, count), usual)))
     i, after, found = min(tried, key=lambda one: _shows(one[2], a))
     told = {"verb": "join", "leave": leave, "enter": enter, "seconds": seconds, "mode": mode, "match": match}
-    history = (*first.history, {**told, "measured": found.to_json()})
+    history = (*first.history, {**told, "with": list(second.history), "measured": found.to_json()})
     return replace(a, values=np.vstack([a.values[:i], after.values]), history=history, report=None)
 
 

@@ -107,7 +107,14 @@ def register(
         cost=cost,
     )
     made = retime(clip, [(before, after) for before, after in found.pairs])
-    told = {"verb": "register", "slope": slope, "band": band, "match": match, "measured": found.to_json()}
+    told = {
+        "verb": "register",
+        "slope": slope,
+        "band": band,
+        "match": match,
+        "with": list(reference.history),
+        "measured": found.to_json(),
+    }
     return replace(made, history=(*clip.history, told))  # type: ignore[return-value, type-var]
 
 

@@ -105,10 +105,9 @@ def warp(
         else:
             made = _posed(motion, times, pose, only, support, overshoot)
     if pose is None:
-        names = clip.skeleton.channel_names
-        step["constraints"] = [[names[c.channel], c.time, c.value] for c in constraints]
+        step["values"] = _told(clip.skeleton, times, constraints)
     else:
-        step |= {"only": only if isinstance(only, str) else list(only), "pose": list(pose.history)}
+        step |= {"only": only if isinstance(only, str) else list(only), "with": list(pose.history)}
     return recorded(made, (*clip.history, step))
 
 
@@ -170,6 +169,12 @@ def _constraints(skeleton: Skeleton, times: np.ndarray, values: object) -> list[
                 raise OptionError(f"{name}: a value is a number, not {value!r}")
             found.append(Constraint(channel, time, number))
     return found
+
+
+def _told(skeleton: Skeleton, times: np.ndarray, constraints: Sequence[Constraint]) -> dict[str, list[float | None]]:
+    """The constraints as `warp` takes them: for each channel a value at each time, or None."""
+    found = {(skeleton.channel_names[c.channel], c.time): c.value for c in constraints}
+    return {name: [found.get((name, time)) for time in times.tolist()] for name in dict.fromkeys(n for n, _ in found)}
 
 
 def _by_channel(constraints: Sequence[Constraint]) -> dict[int, tuple[np.ndarray, np.ndarray]]:

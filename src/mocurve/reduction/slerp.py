@@ -55,7 +55,7 @@ def joint_keys(clip: Clip, tolerance: str | Sequence[str] | None = None, *, feet
 def _asked(clip: Clip, tolerance: str | Sequence[str] | None, feet: float | None) -> tuple[Clip, Sequence[str], float]:
     """The reference, the tolerance and the part of planted feet."""
     reference, made = clip, _making(clip)
-    if made.get("verb") == "refine":  # its report compares with the keys before
+    if made and clip.history[-1].get("verb") == "refine":  # its report compares with the keys before
         return _asked(clip.report.clips[0], tolerance, feet)  # type: ignore[attr-defined]
     if made:
         reference = clip.report.clips[0]  # type: ignore[attr-defined]

@@ -88,8 +88,10 @@ def reduce(
     if denoise:
         from ..denoising import denoise as freed_of_noise
 
-        clip = freed_of_noise(clip)
+        clip = replace(freed_of_noise(clip), history=clip.history)
     step = {"verb": "reduce", "tolerance": texts, "method": method, "align": align, "quality": quality, "feet": feet}
+    if denoise:
+        step["denoise"] = True
     if ratio is not None:
         return _by_ratio(clip, ratio, step, started)
     asked = problem(clip, texts, align, feet)
@@ -107,7 +109,7 @@ def reduce(
     return _reported(clip, asked, held(asked, keys), tubes, step, started)
 
 
-def refine(keys: KeyedMotion, clip: Clip) -> KeyedMotion:
+def refine(keys: KeyedMotion, original: Clip) -> KeyedMotion:
     """The same number of keys, moved in time, value and slope until they follow the clip better: Önder 2007, section
     3.1, as polish.
 
@@ -120,8 +122,10 @@ def refine(keys: KeyedMotion, clip: Clip) -> KeyedMotion:
     >>> mc.refine(mc.reduce(walk, method="split"), walk)
     """
     started = perf_counter()
+    if not isinstance(keys, KeyedMotion):
+        raise Mismatch(f"refine moves keys, and {keys!r} has none: reduce makes keys of it")
     made = next((step for step in reversed(keys.history) if "tolerance" in step), {})
-    asked = problem(clip, made.get("tolerance"), made.get("align", "channel"), made.get("feet", 1.0))
+    asked = problem(original, made.get("tolerance"), made.get("align", "channel"), made.get("feet", 1.0))
     before = _on_frames(keys, asked)
     if asked.motion.frames == 0:
         return keys
@@ -131,7 +135,7 @@ def refine(keys: KeyedMotion, clip: Clip) -> KeyedMotion:
         after = world.polish(asked.motion, asked.groups, asked.limits, before, dynamic.refine_keys)
         if _error_in_space(asked, after) > _error_in_space(asked, before):
             after = before
-    return _reported(keys, asked, after, [], {**made, "verb": "refine"}, started)
+    return _reported(keys, asked, after, [], {"verb": "refine", "with": list(original.history)}, started, made)
 
 
 # -- reduce, in call order -------------------------------------------------------------------------
@@ -159,9 +163,16 @@ def _side_by_side(work: Callable[[world.Tube], Any], tubes: list[world.Tube], la
 
 
 def _reported(
-    clip: Clip, asked: Problem, keys: list[Keys], tubes: list[world.Tube], step: dict[str, Any], started: float
+    clip: Clip,
+    asked: Problem,
+    keys: list[Keys],
+    tubes: list[world.Tube],
+    step: dict[str, Any],
+    started: float,
+    promised: dict[str, Any] | None = None,
 ) -> KeyedMotion:
-    """The keys as a clip that carries what was measured and how it was made."""
+    """The keys as a clip that carries what was measured and how it was made. promised: the step that asked for what is
+    to hold, where it is another."""
     motion = asked.motion
     history = (*clip.history, step)
     made = KeyedMotion(motion.skeleton, curves(asked, keys), motion.frame_time, motion.frames, history)
@@ -169,6 +180,7 @@ def _reported(
     of_channel = {int(k): bound for group, bound in zip(asked.groups, bounds, strict=False) for k in group}
     report = compare(motion, made)
     channels = [replace(row, lower_bound=of_channel.get(k)) for k, row in enumerate(report.channels)]
+    asking = step if promised is None else promised
     told = replace(
         report,
         clips=(clip, made),
@@ -177,10 +189,12 @@ def _reported(
         joints=_with_tolerance(report.joints, asked.limits.joints),
         lower_bound=sum(of_channel.values()) if of_channel else None,
         seconds=perf_counter() - started,
-        tolerance=", ".join(step.get("tolerance") or ["none" if "ratio" not in step else f"ratio {step['ratio']:g}"]),
-        method=step.get("method"),
-        align=step.get("align"),
-        quality=step.get("quality"),
+        tolerance=", ".join(
+            asking.get("tolerance") or ["none" if "ratio" not in asking else f"ratio {asking['ratio']:g}"]
+        ),
+        method=asking.get("method"),
+        align=asking.get("align"),
+        quality=asking.get("quality"),
     )
     return replace(made, report=told)
 
