@@ -1,0 +1,212 @@
+"""The method *optimal* for whole poses: key frames that all channels share, chosen for what they leave in space.
+
+For a number of keys, the least largest error: `spread` moves all keys at once until each segment has its share of the
+error (as de Boor chooses knots), from several starts; `moved` then goes where the error is largest, shifts keys there,
+or brings one from where it is missed least. For a tolerance, the fewest keys: `fewest` looks for the number.
+
+Own method; equal shares of a power of the error after de Boor 1973, Good approximation by splines with variable knots.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from .. import progress
+from .inbetweens import REACH, Change, Inbetweens, centred, changed, fitted, settled, take
+from ._whole import Stage
+
+POWERS = (0.15, 0.25, 0.5)  # of a segment's error: what is shared out evenly; a cubic's error goes with the length to 4
+LEAST_SHARE = 0.02  # of the largest error: a segment with less counts as if it had so much
+ROUNDS = 12  # of sharing out
+SPREAD_SWEEPS = 4  # of Lawson's weights, while keys are shared out
+SHIFTS = (-1, 1, -2, 2, -4, 4)  # frames
+ENOUGH = 0.995  # of the largest error: a move that leaves more is none
+TRIALS = 60  # fits of windows a key, at most
+
+
+class Effort(NamedTuple):
+    """What a quality spends."""
+
+    powers: tuple[float, ...]  # that every start is spread with
+    moved: int  # of the spread ones, how many are moved on
+    again: int  # times the best is spread and moved once more
+
+
+EFFORTS = {
+    "fast": Effort(POWERS[1:], 0, 0),
+    "default": Effort(POWERS, 2, 0),
+    "good": Effort(POWERS, 4, 1),
+    "best": Effort((0.1, *POWERS, 0.75), 10, 3),
+}
+
+
+def best_poses(stage: Stage, pinned: np.ndarray, starts: list[np.ndarray], quality: str) -> Inbetweens:
+    """The keys with the least largest error that the effort finds, from starts with equally many keys (K,) each."""
+    effort = EFFORTS[quality]
+    found = [spread(stage, pinned, start, power) for start in starts for power in effort.powers]
+    found += [fitted(stage, pinned, start) for start in starts]
+    found.sort(key=_worst)
+    steps = effort.moved + 1
+    for number, one in enumerate(found[: effort.moved]):
+        progress.advance("moving poses", number, steps)
+        moved(one)
+    for _ in range(effort.again):
+        found.sort(key=_worst)
+        again = [spread(stage, pinned, found[0].frames, power) for power in effort.powers]
+        for one in (*again, fitted(stage, pinned, found[0].frames)):
+            moved(one)
+            found.append(one)
+    progress.advance("moving poses", steps, steps)
+    found.sort(key=_worst)
+    return min([centred(one) for one in found[: max(1, effort.moved)]], key=_worst)
+
+
+def spread(stage: Stage, pinned: np.ndarray, start: np.ndarray, power: float, good: float = 0.0) -> Inbetweens:
+    """The keys moved, all at once, until every segment has an equal share of the error to a power, pins kept; ends
+    where the largest error is at most `good`."""
+    best = now = fitted(stage, pinned, start, SPREAD_SWEEPS)
+    for _ in range(ROUNDS):
+        if best.worst <= good:
+            break
+        frames = _shared_out(now, power)
+        if np.array_equal(frames, now.frames):
+            break
+        now = fitted(stage, pinned, frames, SPREAD_SWEEPS)
+        best = min(best, now, key=_worst)
+    return best
+
+
+def moved(now: Inbetweens, good: float = 0.0) -> None:
+    """Keys shifted or brought to where the error is largest, while that helps; ends where the error is at most
+    `good`."""
+    settled(now)
+    trials = TRIALS * len(now.frames)
+    while trials > 0 and now.worst > good:
+        step = _Step(now)
+        change, moving = step.best()
+        trials -= step.trials
+        if change is None:
+            if now.worst <= good or not settled(now):
+                return
+            continue
+        take(now, change)
+        if moving is not None:
+            take(now, _without(now, moving))
+
+
+def evenly(frames: int, keys: int, pinned: np.ndarray) -> np.ndarray:
+    """Keys (K,) spread evenly over the frames, the pins among them."""
+    return _with_pins(np.linspace(0, frames - 1, keys), np.flatnonzero(pinned))
+
+
+# -- in call order ---------------------------------------------------------------------------------
+
+
+def _worst(one: Inbetweens) -> float:
+    return one.worst
+
+
+def _shared_out(now: Inbetweens, power: float) -> np.ndarray:
+    """Frames (K,) that cut the error to a power, taken as even within each segment, into equal shares."""
+    share = np.maximum.reduceat(now.errors, now.frames[:-1])
+    share = np.maximum(share, LEAST_SHARE * share.max()) ** power
+    sums = np.concatenate([[0.0], np.cumsum(share)])
+    if not sums[-1] > 0.0:
+        return now.frames
+    wanted = np.interp(np.linspace(0.0, sums[-1], len(now.frames)), sums, now.frames)
+    return _with_pins(wanted, np.flatnonzero(now.pinned))
+
+
+def _with_pins(wanted: np.ndarray, pins: np.ndarray) -> np.ndarray:
+    """Whole frames near the wanted ones (K,), rising, all different, with every pin (P,) among them; first and last are
+    pins."""
+    keys = len(wanted)
+    # the key that becomes a pin: the nearest, in order, leaving enough keys and frames to either side
+    owner = np.zeros(len(pins), np.int64)
+    for p in range(1, len(pins)):
+        fits = keys - len(pins) + p
+        near = int(np.argmin(np.abs(wanted - pins[p])))
+        owner[p] = keys - 1 if p == len(pins) - 1 else min(max(near, owner[p - 1] + 1), fits)
+        owner[p] = min(owner[p], owner[p - 1] + pins[p] - pins[p - 1])
+    for p in range(len(pins) - 2, 0, -1):
+        owner[p] = max(owner[p], owner[p + 1] - (pins[p + 1] - pins[p]))
+    frames = np.rint(wanted).astype(np.int64)
+    for p in range(len(pins) - 1):
+        a, b = owner[p], owner[p + 1]
+        frames[a], frames[b] = pins[p], pins[p + 1]
+        rank = np.arange(b - a + 1)
+        inside = np.maximum.accumulate(np.clip(frames[a : b + 1], pins[p], pins[p + 1]) - rank) + rank
+        frames[a : b + 1] = np.minimum(inside, pins[p + 1] - rank[::-1])
+    return frames
+
+
+class _Step:
+    """One step of `moved`: the best change of the keys around the frame that is furthest off."""
+
+    def __init__(self, now: Inbetweens) -> None:
+        self.now, self.trials = now, 0
+        keys = len(now.frames)
+        after = int(np.searchsorted(now.frames, np.argmax(now.errors), side="right"))
+        self.segment = min(max(after - 1, 0), keys - 2)
+
+    def best(self) -> tuple[Change | None, int | None]:
+        """The change, and the key (its frame) that is to go for it; None where there is none."""
+        limit, found, moving = ENOUGH * self.now.worst, None, None
+        for change in self._shifts():
+            if change.worst < limit:
+                limit, found = change.worst, change
+        cheapest = self._cheapest()
+        if cheapest is not None and cheapest[0] < limit:
+            for change in self._insertions():
+                if max(change.worst, cheapest[0]) < limit:
+                    limit, found, moving = max(change.worst, cheapest[0]), change, cheapest[1]
+        return found, moving
+
+    def _shifts(self) -> Iterator[Change]:
+        frames = self.now.frames
+        for key in range(max(1, self.segment - 1), min(len(frames) - 1, self.segment + 3)):
+            if self.now.pinned[frames[key]]:
+                continue
+            lo, hi = max(0, key - REACH), min(len(frames) - 1, key + REACH)
+            for by in SHIFTS:
+                if frames[key - 1] < frames[key] + by < frames[key + 1]:
+                    between = frames[lo + 1 : hi].copy()
+                    between[key - lo - 1] += by
+                    self.trials += 1
+                    yield changed(self.now, lo, hi, between)
+
+    def _insertions(self) -> Iterator[Change]:
+        frames, q = self.now.frames, self.segment
+        a, b = int(frames[q]), int(frames[q + 1])
+        if b - a < 2:
+            return
+        lo, hi = max(0, q - REACH), min(len(frames) - 1, q + 1 + REACH)
+        quarter = max(1, (b - a) // 4)
+        at = a + int(np.argmax(self.now.errors[a : b + 1]))
+        for frame in dict.fromkeys((min(max(at, a + quarter), b - quarter), (a + b) // 2)):
+            self.trials += 1
+            yield changed(self.now, lo, hi, np.sort(np.append(frames[lo + 1 : hi], frame)))
+
+    def _cheapest(self) -> tuple[float, int] | None:
+        """Of the keys far enough from here the one that is missed least: the error then, its frame."""
+        now, beside = self.now, 2 * REACH + 1
+        costs = []
+        for key in range(1, len(now.frames) - 1):
+            frame = int(now.frames[key])
+            if now.pinned[frame] or self.segment - beside < key < self.segment + 1 + beside:
+                continue
+            if frame not in now.costs:
+                gone = _without(now, frame)
+                self.trials += 1
+                now.costs[frame] = (gone.worst, int(gone.frames[0]), int(gone.frames[-1]))
+            costs.append((now.costs[frame][0], frame))
+        return min(costs, default=None)
+
+
+def _without(now: Inbetweens, frame: int) -> Change:
+    key = int(np.searchsorted(now.frames, frame))
+    lo, hi = max(0, key - REACH), min(len(now.frames) - 1, key + REACH)
+    return changed(now, lo, hi, np.delete(now.frames[lo + 1 : hi], key - lo - 1))
