@@ -6,6 +6,10 @@ from __future__ import annotations
 import numpy as np
 
 from .._jit import kernel
+from ._least_squares import STIFFNESS, hermite_row
+from ._whole import errors_of
+
+SEEN = 48  # frames of a long segment that are looked at, at least; at 120 fps those between look alike
 
 
 @kernel
@@ -69,3 +73,70 @@ def best_ways(errors, last, most):
                     before[keys, j] = i
         found[keys] = reached[frames - 1]
     return found, before
+
+
+@kernel
+def broken_slopes(samples, a, b, slopes):
+    """Slopes (2, C) per frame at frames a and b of the cubics through the samples (F, C) there that are nearest to those
+    between, least squares, drawn a little towards the chord."""
+    channels, h = samples.shape[1], b - a
+    row = np.empty(4)
+    s11 = s12 = s22 = 0.0
+    slopes[:] = 0.0
+    for f in range(a + 1, b):
+        hermite_row((f - a) / h, h, row)
+        s11 += row[1] * row[1]
+        s12 += row[1] * row[3]
+        s22 += row[3] * row[3]
+        for c in range(channels):
+            left = samples[f, c] - row[0] * samples[a, c] - row[2] * samples[b, c]
+            slopes[0, c] += row[1] * left
+            slopes[1, c] += row[3] * left
+    pull = STIFFNESS * h * max(h - 1, 1)
+    s11, s22 = s11 + pull, s22 + pull
+    below = s11 * s22 - s12 * s12
+    for c in range(channels):
+        chord = pull * (samples[b, c] - samples[a, c]) / h
+        first, second = slopes[0, c] + chord, slopes[1, c] + chord
+        slopes[0, c] = (first * s22 - second * s12) / below
+        slopes[1, c] = (second * s11 - first * s12) / below
+
+
+@kernel
+def broken_error(stage, a, b, enough):
+    """The largest error in space of a segment between frames a and b with slopes of its own; told as soon as it is
+    over `enough`, coarse frames first. Of a long segment not more than 2 x SEEN frames are looked at, evenly."""
+    channels, h = stage.samples.shape[1], b - a
+    slopes, row = np.empty((2, channels)), np.empty(4)
+    curve, error = np.empty((1, channels)), np.empty(1)
+    broken_slopes(stage.samples, a, b, slopes)
+    worst, gap = 0.0, 1
+    while 2 * gap < h:
+        gap *= 2
+    while gap > 0 and 2 * SEEN * gap > h:
+        for f in range(a + gap, b, 2 * gap):
+            hermite_row((f - a) / h, h, row)
+            for c in range(channels):
+                near = row[0] * stage.samples[a, c] + row[1] * slopes[0, c]
+                curve[0, c] = near + row[2] * stage.samples[b, c] + row[3] * slopes[1, c]
+            errors_of(stage, f, curve, error)
+            worst = max(worst, error[0])
+            if worst > enough:
+                return worst
+        gap //= 2
+    return worst
+
+
+@kernel
+def broken_errors(stage, last, enough, patience, errors):
+    """errors (F, L) at [i, d] of the segments from i to i + 1 + d: inf where over `enough`, and from where on `patience`
+    segments in a row were. Lowers last (F,) to what has been looked at."""
+    for i in range(len(errors)):
+        over = 0
+        for j in range(i + 1, last[i] + 1):
+            found = broken_error(stage, i, j, enough)
+            over = over + 1 if found > enough else 0
+            errors[i, j - i - 1] = np.inf if found > enough else found
+            if over >= patience or j - i >= errors.shape[1]:
+                last[i] = j
+                break

@@ -93,6 +93,15 @@ def fitted(stage: Stage, pinned: np.ndarray, frames: np.ndarray | Sequence[int],
     return Inbetweens(stage, pinned, at, values, slopes, weights, errors)
 
 
+def given(stage: Stage, pinned: np.ndarray, keys: Keys) -> Inbetweens:
+    """Keys of all channels as they are."""
+    values, slopes = np.ascontiguousarray(keys.values.T), np.ascontiguousarray(keys.slopes.T)
+    curves, errors = np.empty_like(stage.samples), np.empty(len(stage.samples))
+    hermite_rows(keys.frames, values, slopes, slopes, 0, curves)
+    errors_of(stage, 0, curves, errors)
+    return Inbetweens(stage, pinned, keys.frames, values, slopes, np.ones(len(errors)), errors)
+
+
 def changed(now: Inbetweens, lo: int, hi: int, between: np.ndarray) -> Change:
     """What it comes to if frames `between` are keys in place of those between keys lo and hi."""
     frames = np.concatenate([now.frames[lo : lo + 1], between, now.frames[hi : hi + 1]]).astype(np.int64)
@@ -127,9 +136,9 @@ def settled(now: Inbetweens, sweeps: int = SWEEPS) -> bool:
     return True
 
 
-def centred(now: Inbetweens) -> Inbetweens:
+def centred(now: Inbetweens, good: float = 0.0) -> Inbetweens:
     """The same keys; every channel drawn to the middle of what the present largest error leaves it, until that no
-    longer comes down."""
+    longer comes down, or is at most `good`."""
     stage, worst = now.stage, now.worst
     if len(now.frames) < 2 or not 0.0 < worst < np.inf:
         return now
@@ -154,7 +163,7 @@ def centred(now: Inbetweens) -> Inbetweens:
             break
         state = np.ascontiguousarray(values.T), np.ascontiguousarray(slopes.T)
         best = Inbetweens(stage, now.pinned, now.frames, *state, now.weights, errors.copy())
-        if reached > GAIN * worst:
+        if reached > GAIN * worst or reached <= good:
             break
         worst = reached
     return best

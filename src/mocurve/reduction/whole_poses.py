@@ -9,7 +9,7 @@ Own method; equal shares of a power of the error after de Boor 1973, Good approx
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -24,6 +24,7 @@ ROUNDS = 12  # of sharing out
 SPREAD_SWEEPS = 4  # of Lawson's weights, while keys are shared out
 SHIFTS = (-1, 1, -2, 2, -4, 4)  # frames
 ENOUGH = 0.995  # of the largest error: a move that leaves more is none
+WITHIN_REACH = 2.0  # of the limit: from so far `centred` may still bring the error to it
 TRIALS = 60  # fits of windows a key, at most
 
 
@@ -47,7 +48,6 @@ def best_poses(stage: Stage, pinned: np.ndarray, starts: list[np.ndarray], quali
     """The keys with the least largest error that the effort finds, from starts with equally many keys (K,) each."""
     effort = EFFORTS[quality]
     found = [spread(stage, pinned, start, power) for start in starts for power in effort.powers]
-    found += [fitted(stage, pinned, start) for start in starts]
     found.sort(key=_worst)
     steps = effort.moved + 1
     for number, one in enumerate(found[: effort.moved]):
@@ -61,7 +61,29 @@ def best_poses(stage: Stage, pinned: np.ndarray, starts: list[np.ndarray], quali
             found.append(one)
     progress.advance("moving poses", steps, steps)
     found.sort(key=_worst)
-    return min([centred(one) for one in found[: max(1, effort.moved)]], key=_worst)
+    # the starts as they are take part: never worse than poses chosen otherwise
+    last = [*found[: max(1, effort.moved)], *(fitted(stage, pinned, start) for start in starts)]
+    return min([centred(one) for one in last], key=_worst)
+
+
+def fewer(best: Inbetweens, quality: str) -> Inbetweens:
+    """Fewer keys whose largest error is at most 1, as far as the effort finds them; `best` is such already, or else as
+    good as is known."""
+    stage, pinned, effort = best.stage, best.pinned, EFFORTS[quality]
+
+    def tried(keys: int, *further: np.ndarray) -> Inbetweens:
+        starts = (evenly(len(pinned), keys, pinned), *further)
+        return min((spread(stage, pinned, s, p, 1.0) for s in starts for p in effort.powers[-2:]), key=_worst)
+
+    least, most = int(pinned.sum()), len(best.frames)
+    while least < most:
+        now = tried((least + most) // 2)
+        if now.worst <= 1.0:
+            most, best = len(now.frames), now
+        else:
+            least = len(now.frames) + 1
+        progress.advance("looking for the number of poses", len(pinned) - (most - least), len(pinned))
+    return best if effort.moved == 0 else _taken_away(best, tried)
 
 
 def spread(stage: Stage, pinned: np.ndarray, start: np.ndarray, power: float, good: float = 0.0) -> Inbetweens:
@@ -105,6 +127,23 @@ def evenly(frames: int, keys: int, pinned: np.ndarray) -> np.ndarray:
 # -- in call order ---------------------------------------------------------------------------------
 
 
+def _taken_away(best: Inbetweens, tried: Callable[..., Inbetweens]) -> Inbetweens:
+    """Keys taken away, more at a time as long as that works, and the rest moved until the error is at most 1 again."""
+    step = max(1, len(best.frames) // 16)
+    while step > 0 and len(best.frames) > best.pinned.sum():
+        keys = max(len(best.frames) - step, int(best.pinned.sum()))
+        at = np.interp(np.linspace(0, len(best.frames) - 1, keys), np.arange(len(best.frames)), best.frames)
+        now = tried(keys, _with_pins(at, np.flatnonzero(best.pinned)))
+        moved(now, 1.0)
+        if 1.0 < now.worst < WITHIN_REACH:
+            now = centred(now, 1.0)
+        if now.worst <= 1.0:
+            best = now
+        else:
+            step //= 2
+    return best
+
+
 def _worst(one: Inbetweens) -> float:
     return one.worst
 
@@ -112,10 +151,9 @@ def _worst(one: Inbetweens) -> float:
 def _shared_out(now: Inbetweens, power: float) -> np.ndarray:
     """Frames (K,) that cut the error to a power, taken as even within each segment, into equal shares."""
     share = np.maximum.reduceat(now.errors, now.frames[:-1])
-    share = np.maximum(share, LEAST_SHARE * share.max()) ** power
-    sums = np.concatenate([[0.0], np.cumsum(share)])
-    if not sums[-1] > 0.0:
+    if not 0.0 < share.max() < np.inf:
         return now.frames
+    sums = np.concatenate([[0.0], np.cumsum(np.maximum(share, LEAST_SHARE * share.max()) ** power)])
     wanted = np.interp(np.linspace(0.0, sums[-1], len(now.frames)), sums, now.frames)
     return _with_pins(wanted, np.flatnonzero(now.pinned))
 
