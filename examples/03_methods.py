@@ -22,7 +22,7 @@ for align in ("channel", "joint", "pose"):
     print(f"{align:<8} {keys.keys} keys at {len(times)} different times")
 
 # The simplification of the thesis chooses the keys, its dynamic programming improves them: as many keys, less error.
-keys = mc.reduce(motion, method="split", ratio=0.02)
+keys = mc.reduce(motion, method="split", tolerance="0.02ratio")
 better = mc.refine(keys, motion)
 print(f"split by ratio: {keys.keys} keys, rms {mc.compare(motion, keys).rms_error_degrees:.4f} degrees")
 print(f"refined:        {better.keys} keys, rms {mc.compare(motion, better).rms_error_degrees:.4f} degrees")

@@ -34,7 +34,10 @@ EACH: dict[str, list[Made]] = {
     "reduce": [
         lambda a, b: mc.reduce(a, tolerance=["3deg", "LeftHand=1deg"], quality="fast", align="joint"),
         lambda a, b: mc.reduce(a, tolerance="3deg", quality="fast", denoise=True),
-        lambda a, b: mc.reduce(a, method="split", ratio=0.01),
+        lambda a, b: mc.reduce(a, method="split", tolerance="0.01ratio"),
+        lambda a, b: mc.reduce(a, keys=12, pin=[40, "0.5s"], quality="fast"),
+        lambda a, b: mc.reduce(a, method="cluster", tolerance="5%span", pin=["contacts"]),
+        lambda a, b: mc.reduce(a, tolerance="9deg", pin=[40, 41]),
     ],
     "refine": [lambda a, b: mc.refine(mc.reduce(a, tolerance="3deg", method="split"), a)],
     "fit": [lambda a, b: mc.fit(a, spans=20, knots="uniform"), lambda a, b: mc.fit(a, tolerance="9deg", degree=2)],

@@ -32,6 +32,7 @@ _HOME = {
     "reduce": "reduction",
     "fit": "fitting",
     "refine": "reduction",
+    "poses": "reduction",
     "compare": "measure",
     "trim": "edit.trim",
     "blend": "edit.blend",
@@ -45,6 +46,7 @@ _HOME = {
     "join": "edit.join",
     "register": "edit.register",
     "render": "draw",
+    "sheet": "draw",
     "run": "recipe",
 }
 __all__ = ["__version__", *_HOME]

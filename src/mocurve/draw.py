@@ -7,7 +7,7 @@ drawn larger and then reduced, which smooths their edges.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Literal, get_args
@@ -18,19 +18,22 @@ from PIL import Image
 from . import draw_scene as scene
 from . import kinematics
 from .draw_curves import curves
+from .draw_lines import lines
 from .errors import OptionError
 from .formats._files import replacing
 from .keyed import KeyedMotion
 from .motion import Clip
 from .progress import advance
 
-__all__ = ["curves", "render"]
+__all__ = ["curves", "lines", "render", "sheet"]
 
 View = Literal["front", "side", "top", "three-quarter"]
 
 LARGER = 3  # a still is drawn this much larger, a moving picture:
 LARGER_GIF = 2
 SHEET = (4, 2)  # poses across and down
+ACROSS = 6  # of a sheet with more than 8, at most
+MOST_POSES = 600  # on a sheet
 MOST_GIF_FPS = 50  # players take a delay under 2/100 s for 10/100 s
 MOST_GIF_PICTURES = 1000
 COLOURS = 128  # of a GIF
@@ -71,7 +74,32 @@ def render(
     if kind == ".gif":
         _write_gif(figures, clip, path, width, view, fps)
         return
-    image = _sheet(figures, clip, width, view) if frame is None else _pose(figures, clip, width, view, frame)
+    if frame is not None:
+        image = _pose(figures, clip, width, view, frame)
+    else:  # poses evenly in time
+        evenly = np.linspace(0, clip.frames - 1, SHEET[0] * SHEET[1]).round().astype(int)
+        image = _sheet(figures, clip, width, view, np.unique(evenly), numbered=False)
+    with replacing(path) as file:
+        image.save(file, "PNG", optimize=True)
+
+
+def sheet(
+    clip: Clip, path: str | PathLike[str], frames: Sequence[int], *, width: int = 1200, view: View = "three-quarter"
+) -> None:
+    """A contact sheet, .png: the poses at these frames, each with its time and its frame, line after line.
+
+    OptionError for another extension, an unknown view, a frame that is not there or a clip without frames.
+
+    >>> mc.sheet(walk, "poses.png", mc.reduce(walk, keys=12).report.key_frames)
+    """
+    path = Path(path)
+    if path.suffix.lower() != ".png":
+        raise OptionError(f"{path.name}: the extension of a sheet is .png, not {path.suffix.lower()!r}")
+    if not 1 <= len(frames) <= MOST_POSES:
+        raise OptionError(f"a sheet shows 1 to {MOST_POSES} poses, not {len(frames)}")
+    for frame in (min(frames), max(frames)):
+        _check(clip, ".png", width, view, MOST_GIF_FPS, int(frame))
+    image = _sheet(_figures(clip, None), clip, width, view, np.array(frames, np.int64), numbered=True)
     with replacing(path) as file:
         image.save(file, "PNG", optimize=True)
 
@@ -129,10 +157,11 @@ def _pose(figures: list[scene.Figure], clip: Clip, width: int, view: str, frame:
     return image.reduce(LARGER)
 
 
-def _sheet(figures: list[scene.Figure], clip: Clip, width: int, view: str) -> Image.Image:
-    """Poses evenly in time; every panel has the same scale and follows the figure over the ground."""
-    frames = np.unique(np.linspace(0, clip.frames - 1, SHEET[0] * SHEET[1]).round().astype(int))
-    across = min(len(frames), SHEET[0])
+def _sheet(
+    figures: list[scene.Figure], clip: Clip, width: int, view: str, frames: np.ndarray, numbered: bool
+) -> Image.Image:
+    """Poses at the frames (K,); every panel has the same scale and follows the figure over the ground."""
+    across = min(len(frames), SHEET[0] if len(frames) <= SHEET[0] * SHEET[1] else ACROSS)
     floor = scene.ground(figures)
     middle = figures[0].places.mean(axis=1) * (1, 0, 1)  # (F, 3)
     near = np.concatenate([_shown(figures, np.array([f]), floor) - middle[f] for f in frames])
@@ -145,7 +174,8 @@ def _sheet(figures: list[scene.Figure], clip: Clip, width: int, view: str) -> Im
         image = scene.empty(here, floor, near + middle[frame])
         for figure in figures:
             scene.draw_figure(image, here, figure, floor, frame)
-        scene.label(image, figures if i == 0 else [], frame * clip.frame_time, 13 * LARGER)
+        which = f", {frame}" if numbered else ""
+        scene.label(image, figures if i == 0 else [], frame * clip.frame_time, 13 * LARGER, which)
         sheet.paste(image.reduce(LARGER), (i % across * panel, i // across * high))
         advance("drawing", i + 1, len(frames))
     return sheet

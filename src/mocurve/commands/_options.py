@@ -73,6 +73,8 @@ def _typed(hint: Any) -> Any:
         return Path | None
     if hint == str | float | None:
         return str | None
+    if hint == Sequence[int | str]:
+        return list[str]
     return list[str] if hint in (str | Sequence[str], str | list[str]) else hint
 
 

@@ -26,7 +26,7 @@ CHOOSERS: dict[str, Callable[[Motion, np.ndarray, int], Choices]] = {
     "probe": probe.choose,
     "cluster": cluster.choose,
 }
-STARTS_FROM_SALIENT = 2048  # frames: in longer clips the search for optimal poses starts from even ones alone
+STARTS_FROM_SALIENT = 2048  # frames: in longer clips the search for optimal poses starts from `posture`
 CONTACTS = "contacts"
 
 Pins = Sequence[int | str]
@@ -106,6 +106,26 @@ def poses(clip: Clip, *, method: str = "salient", pin: Pins = ()) -> Poses:
     return Poses(motion, method, found.measure, tuple(found.frames), found.errors)
 
 
+def by_number(
+    clip: Clip, numbers_of_keys: Sequence[int], *, pin: Pins = (), quality: str = "default"
+) -> dict[str, list[float]]:
+    """For every method and for keys evenly in time: the largest error in space (file units) of the curves that `reduce`
+    makes of so many whole poses, one for each number of keys."""
+    motion = numbers(clip)
+    stage, pinned = stage_of(motion), pins(pin, motion)
+    told: dict[str, list[float]] = {name: [] for name in ("optimal", *CHOOSERS, "even")}
+    for number, keys in enumerate(numbers_of_keys):
+        for method, row in told.items():
+            progress.advance("comparing methods", number * len(told) + len(row) // len(told), len(numbers_of_keys) * 7)
+            if method == "even":
+                row.append(centred(fitted(stage, pinned, evenly(motion.frames, keys, pinned))).worst)
+            elif method == "broken":
+                row.append(broken.error_of(stage, with_number(motion, method, pinned, keys, quality).frames))
+            else:
+                row.append(given(stage, pinned, with_number(motion, method, pinned, keys, quality)).worst)
+    return told
+
+
 def pins(pin: Pins, motion: Motion) -> np.ndarray:
     """(F,) True where a key has to be: at the first and the last frame, and where `pin` says."""
     if isinstance(pin, str | int) or not isinstance(pin, Sequence):
@@ -134,10 +154,10 @@ def with_number(motion: Motion, method: str, pinned: np.ndarray, keys: int, qual
         )
     if method != "optimal":
         return _through(motion, method, pinned, _chosen(motion, method, pinned, int(keys)), quality)
-    stage, starts = stage_of(motion), [evenly(frames, int(keys), pinned)]
-    if frames <= STARTS_FROM_SALIENT:
-        starts.insert(0, salient.choose(motion, pinned, int(keys)).frames[-1])
-    return keys_of(best_poses(stage, pinned, starts, quality))
+    others = [_chosen(motion, name, pinned, int(keys)) for name in ("posture", "probe")]
+    start = _chosen(motion, "salient", pinned, int(keys)) if frames <= STARTS_FROM_SALIENT else others[0]
+    starts = [start, evenly(frames, int(keys), pinned)]
+    return keys_of(best_poses(stage_of(motion), pinned, starts, others, quality))
 
 
 def within_limits(motion: Motion, method: str, pinned: np.ndarray, limits: Limits) -> Keys:

@@ -44,8 +44,11 @@ EFFORTS = {
 }
 
 
-def best_poses(stage: Stage, pinned: np.ndarray, starts: list[np.ndarray], quality: str) -> Inbetweens:
-    """The keys with the least largest error that the effort finds, from starts with equally many keys (K,) each."""
+def best_poses(
+    stage: Stage, pinned: np.ndarray, starts: list[np.ndarray], others: list[np.ndarray], quality: str
+) -> Inbetweens:
+    """The keys with the least largest error that the effort finds, from starts with equally many keys (K,) each; never
+    more than starts and others leave as they are."""
     effort = EFFORTS[quality]
     found = [spread(stage, pinned, start, power) for start in starts for power in effort.powers]
     found.sort(key=_worst)
@@ -61,8 +64,7 @@ def best_poses(stage: Stage, pinned: np.ndarray, starts: list[np.ndarray], quali
             found.append(one)
     progress.advance("moving poses", steps, steps)
     found.sort(key=_worst)
-    # the starts as they are take part: never worse than poses chosen otherwise
-    last = [*found[: max(1, effort.moved)], *(fitted(stage, pinned, start) for start in starts)]
+    last = [*found[: max(1, effort.moved)], *(fitted(stage, pinned, one) for one in (*starts, *others))]
     return min([centred(one) for one in last], key=_worst)
 
 
