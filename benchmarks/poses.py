@@ -23,7 +23,7 @@ from clips import folder
 
 import mocurve as mc
 from mocurve.kinematics import rest_height
-from mocurve.reduction import CHOOSERS, broken, cluster, probe
+from mocurve.reduction import CHOOSERS, broken
 from mocurve.reduction.choices import astray, stances
 from mocurve.reduction.inbetweens import centred, fitted, stage_of
 from mocurve.reduction.whole_poses import evenly

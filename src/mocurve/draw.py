@@ -174,7 +174,7 @@ def _sheet(
         image = scene.empty(here, floor, near + middle[frame])
         for figure in figures:
             scene.draw_figure(image, here, figure, floor, frame)
-        which = f", {frame}" if numbered else ""
+        which = f", frame {frame}" if numbered else ""
         scene.label(image, figures if i == 0 else [], frame * clip.frame_time, 13 * LARGER, which)
         sheet.paste(image.reduce(LARGER), (i % across * panel, i // across * high))
         advance("drawing", i + 1, len(frames))

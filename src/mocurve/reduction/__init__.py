@@ -8,8 +8,8 @@ promise itself, at every frame, and repairs it.
 from __future__ import annotations
 
 from . import dynamic, linear, optimal, split
-from .problem import ALIGNMENTS
 from .poses import CHOOSERS, Poses, poses
+from .problem import ALIGNMENTS
 from .verb import Method, reduce, refine
 
 METHODS = {

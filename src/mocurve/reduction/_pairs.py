@@ -77,8 +77,8 @@ def best_ways(errors, last, most):
 
 @kernel
 def broken_slopes(samples, a, b, slopes):
-    """Slopes (2, C) per frame at frames a and b of the cubics through the samples (F, C) there that are nearest to those
-    between, least squares, drawn a little towards the chord."""
+    """Slopes (2, C) per frame at frames a and b of the cubics through the samples (F, C) there that are nearest to
+    those between, least squares, drawn a little towards the chord."""
     channels, h = samples.shape[1], b - a
     row = np.empty(4)
     s11 = s12 = s22 = 0.0
@@ -129,8 +129,8 @@ def broken_error(stage, a, b, enough):
 
 @kernel
 def broken_errors(stage, last, enough, patience, errors):
-    """errors (F, L) at [i, d] of the segments from i to i + 1 + d: inf where over `enough`, and from where on `patience`
-    segments in a row were. Lowers last (F,) to what has been looked at."""
+    """errors (F, L) at [i, d] of the segments from i to i + 1 + d: inf where over `enough`, and no longer looked at
+    once `patience` segments in a row were. Lowers last (F,) to what has been looked at."""
     for i in range(len(errors)):
         over = 0
         for j in range(i + 1, last[i] + 1):

@@ -14,11 +14,11 @@ import numpy as np
 from ..motion import Motion
 from . import salient
 from ._pairs import broken_error, broken_errors, broken_slopes
+from ._whole import Stage
 from .choices import Choices
 from .inbetweens import stage_of
 from .keys import Keys
 from .salient import last_from, refuse_long, ways
-from ._whole import Stage
 
 SPARSE = 40  # frames a key: so few keys, at least, have a choice
 PATIENCE = 24  # longer segments, one after the other, that were too far off: the last of them from that frame

@@ -143,8 +143,6 @@ def pins(pin: Pins, motion: Motion) -> np.ndarray:
 def with_number(motion: Motion, method: str, pinned: np.ndarray, keys: int, quality: str) -> Keys:
     """So many whole poses, at least error in space."""
     frames = motion.frames
-    if isinstance(keys, bool) or not isinstance(keys, int | np.integer) or keys < 1:
-        raise OptionError(f"keys is a whole number of poses from 1 up, not {keys!r}")
     if keys >= frames:
         return at_every_frame(motion)
     if keys < pinned.sum():

@@ -9,6 +9,7 @@ of keys, each with the keys of the one before.
 from __future__ import annotations
 
 from heapq import heapify, heappop, heappush
+from itertools import pairwise
 
 import numpy as np
 
@@ -20,7 +21,7 @@ def choose(motion: Motion, pinned: np.ndarray, most: int) -> Choices:
     """The choices up to `most` keys; pinned (F,) True where a key has to be."""
     points = postures(motion)
     keys = np.flatnonzero(pinned).tolist()
-    pieces = [_farthest(points, a, b) for a, b in zip(keys[:-1], keys[1:], strict=True)]
+    pieces = [_farthest(points, a, b) for a, b in pairwise(keys)]
     heapify(pieces)
     frames, errors = [np.array(keys, np.int64)], [_error(pieces)]
     while len(keys) < most and pieces and pieces[0][1] >= 0:

@@ -22,7 +22,7 @@ def choose(motion: Motion, pinned: np.ndarray, most: int) -> Choices:
     size = np.linalg.norm(clip, axis=1)
     least = ROUNDING * size.max(initial=0.0)
     free, rest, spanned = ~pinned, clip.copy(), False
-    for frame in np.flatnonzero(pinned):
+    for frame in np.flatnonzero(pinned).tolist():
         _take_out(rest, frame, least)
     frames, errors = [np.flatnonzero(pinned)], [0.0 if spanned else part_missed(rest, size)]
     while len(frames[-1]) < most and free.any():

@@ -82,6 +82,11 @@ def parse(tolerance: str | Sequence[str]) -> tuple[Rule, ...]:
     return rules
 
 
+def bounds(tolerance: Sequence[str] | None) -> Sequence[str] | None:
+    """The tolerance, or None where it is a paper's own threshold, which bounds nothing."""
+    return None if not tolerance or parse(tolerance)[0].unit in THRESHOLDS else tolerance
+
+
 def resolve(rules: Sequence[Rule], motion: Motion) -> Limits:
     """What the rules allow each channel and each joint at each frame of the (unrolled) motion. OptionError for the
     threshold of a method, which bounds neither."""

@@ -20,7 +20,7 @@ from .bound import lower_bound
 from .keys import Keys
 from .poses import CHOOSERS, Pins, pins, with_fewer, with_number, within_limits, within_span
 from .problem import ALIGNMENTS, Problem, curves, held, known, problem, with_pins
-from .tolerance import DEFAULT, OF_NOISE, THRESHOLDS, parse
+from .tolerance import DEFAULT, OF_NOISE, THRESHOLDS, bounds, parse
 
 
 class Method(NamedTuple):
@@ -100,12 +100,13 @@ def reduce(
         from ..denoising import denoise as freed_of_noise
 
         clip = replace(freed_of_noise(clip), history=clip.history)
-    step = {"verb": "reduce", "tolerance": texts, "method": method, "align": align, "quality": quality, "feet": feet}
-    step |= {"keys": keys} if keys is not None else {}
-    step |= {"pin": [one if isinstance(one, str) else int(one) for one in pin]} if len(pin) else {}
-    step |= {"denoise": True} if denoise else {}
     asked = problem(clip, None if own is not None else texts, align, feet)
     pinned = pins(pin, asked.motion)
+    step: dict[str, Any] = {"verb": "reduce", "tolerance": texts, "method": method, "align": align, "quality": quality}
+    step["feet"] = feet
+    step |= {"keys": int(keys)} if keys is not None else {}
+    step |= {"pin": [one if isinstance(one, str) else int(one) for one in pin]} if len(pin) else {}
+    step |= {"denoise": True} if denoise else {}
     tubes: list[world.Tube] = []
     if asked.motion.frames == 0:
         found = [Keys(np.zeros(0, np.int64), np.zeros((len(g), 0)), np.zeros((len(g), 0))) for g in asked.groups]
@@ -137,10 +138,7 @@ def refine(keys: KeyedMotion, original: Clip) -> KeyedMotion:
     if not isinstance(keys, KeyedMotion):
         raise Mismatch(f"refine moves keys, and {keys!r} has none: reduce makes keys of it")
     made = next((step for step in reversed(keys.history) if "tolerance" in step), {})
-    texts = made.get("tolerance")
-    if texts and parse(texts)[0].unit in THRESHOLDS:  # bounds nothing
-        texts = None
-    asked = problem(original, texts, made.get("align", "channel"), made.get("feet", 1.0))
+    asked = problem(original, bounds(made.get("tolerance")), made.get("align", "channel"), made.get("feet", 1.0))
     before = _on_frames(keys, asked)
     if asked.motion.frames == 0:
         return keys
@@ -172,6 +170,8 @@ def _alignment(align: str | None, method: str, keys: int | None) -> str:
 def _texts(tolerance: str | Sequence[str] | None, keys: int | None, denoise: bool) -> list[str] | None:
     """The tolerance as texts, refused before work is done; None where a number of keys stands for it."""
     if keys is not None:
+        if isinstance(keys, bool) or not isinstance(keys, int | np.integer) or keys < 1:
+            raise OptionError(f"keys is a whole number of poses from 1 up, not {keys!r}")
         if tolerance is not None:
             raise OptionError("keys says how many, a tolerance how near: give one of them")
         return None

@@ -15,8 +15,8 @@ from typing import NamedTuple
 import numpy as np
 
 from .. import progress
-from .inbetweens import REACH, Change, Inbetweens, centred, changed, fitted, settled, take
 from ._whole import Stage
+from .inbetweens import REACH, Change, Inbetweens, centred, changed, fitted, settled, take
 
 POWERS = (0.15, 0.25, 0.5)  # of a segment's error: what is shared out evenly; a cubic's error goes with the length to 4
 LEAST_SHARE = 0.02  # of the largest error: a segment with less counts as if it had so much
