@@ -6,7 +6,8 @@ Six captured clips of up to 500 frames. Errors are the largest distance of any j
 any frame, in percent of the rest height. First with the same curves for all: C1, one least-squares fit of all values
 and slopes (quality fast); then with the curves that `reduce` gives them (weights a frame, channels made up for one
 another). `optimal` is told as it comes. Then broken tangents, poses held: the same curves for both. Then the papers'
-own thresholds, and times and memory; with --long those of 2000 frames, each in a process of its own.
+own thresholds; the thesis's table 2.1 with what can be measured of it; times and memory, with --long those of 2000
+frames, each in a process of its own.
 """
 
 from __future__ import annotations
@@ -126,6 +127,40 @@ def thresholds() -> None:
     print()
 
 
+def table() -> None:
+    """Table 2.1 of the thesis with what can be measured of it, at a key for every tenth frame, means over the clips."""
+    print(
+        "| method | stay when one is added | found again in the result | error, %: least squares, `reduce` | seconds |"
+    )
+    print("|" + "---|" * 5)
+    motions = [clip(name) for name in CLIPS]
+    for method in ("posture", "probe", "cluster", "salient", "broken", "optimal"):
+        stay, again, plain, full, took = [], [], [], [], 0.0
+        for motion in motions:
+            keys = round(0.1 * motion.frames)
+            started = process_time()
+            made = mc.reduce(motion, method=method, keys=keys)
+            took += process_time() - started
+            at = _frames(made)
+            more = mc.reduce(motion, method=method, keys=keys + 1, quality="fast" if method != "optimal" else "default")
+            stay.append(len(at & _frames(more)) / keys)
+            again.append(len(at & _frames(mc.reduce(made, method=method, keys=keys))) / keys)
+            full.append(percent(motion, made))
+            frames = np.array(sorted(at))
+            plain.append(fitted(stage_of(motion), pinned(motion), frames, sweeps=0).worst / rest_height(motion) * 100.0)
+        left = f"{geometric_mean(plain):.2f}, {geometric_mean(full):.2f}"
+        print(
+            f"| {method} | {np.mean(stay):.2f} | {np.mean(again):.2f} | {left} | {took / len(motions):.2f} |",
+            flush=True,
+        )
+    print()
+
+
+def _frames(made: mc.KeyedMotion) -> set[int]:
+    assert made.report is not None
+    return set(made.report.key_frames or ())
+
+
 def one_long(method: str) -> None:
     """2000 frames x 96 channels by one method, in this process: seconds, and the most memory it had."""
     import resource
@@ -179,6 +214,7 @@ def main() -> None:
     errors(options.quality)
     broken_tangents()
     thresholds()
+    table()
     times(options.long)
 
 
