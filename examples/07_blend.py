@@ -11,11 +11,10 @@ from mocurve.data import example
 
 clip = Path(sys.argv[1]) if len(sys.argv) > 1 else example()
 motion = mc.read(clip)
-half = motion.duration / 2
-first, second = mc.trim(motion, end=half), mc.trim(motion, start=motion.duration - half)
+first, second = motion[: motion.frames // 2], motion[-(motion.frames // 2) :]
 
 # Between: one number, one that changes in time, one for some joints.
-for weight in (0.5, [(0, 0), (half, 1)], {"*Arm": 1.0}):
+for weight in (0.5, [(0, 0), (first.duration, 1)], {"*Arm": 1.0}):
     made = mc.blend(first, second, weight)
     print(f"weight {weight}: {made}")
 mc.write("between.bvh", mc.blend(first, second, 0.5))
