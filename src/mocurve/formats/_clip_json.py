@@ -10,11 +10,10 @@ import numpy as np
 
 from ..errors import FileError, MocurveError, OptionError
 from ..keyed import KeyedMotion
+from ..motion import MAX_FRAMES
 from ..skeleton import Skeleton
 from ..spline import SplineMotion
 from ._files import Path
-
-MAX_FRAMES = 100_000_000  # eleven days at 100 frames a second; sampling allocates by it
 
 
 def document(kind: str, version: int, clip: KeyedMotion | SplineMotion, parts: dict[str, str]) -> str:
