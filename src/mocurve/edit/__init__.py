@@ -15,4 +15,7 @@ VERBS = {
     "loop": "loop",
     "join": "join",
     "register": "register",
+    "bands": "bands",
+    "waveshape": "waveshape",
+    "limit": "limit",
 }

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..errors import FileError, MocurveError, OptionError
 from ..keyed import KeyedMotion
-from ..skeleton import Skeleton
+from ..skeleton import JointLimits, Skeleton
 from ..spline import SplineMotion
 from ._files import Path
 
@@ -34,9 +34,26 @@ def document(kind: str, version: int, clip: KeyedMotion | SplineMotion, parts: d
             body.names, body.parents, body.offsets.tolist(), body.channels, body.end_sites, strict=True
         )
     ]
+    for own in body.limits:
+        joints[own.joint]["limits"] = limits_row(own)
     written = {key: dumped(value) for key, value in head.items()} | {"joints": rows(joints)} | parts
     written |= {key: dumped(value) for key, value in tail.items()}
     return "{\n" + ",\n".join(f'"{key}": {text}' for key, text in written.items()) + "\n}\n"
+
+
+def limits_row(limits: JointLimits) -> dict[str, Any]:
+    """How far a joint may turn, null where there is no limit."""
+    ends = {name: [x if math.isfinite(x) else None for x in getattr(limits, name).tolist()] for name in ("low", "high")}
+    return {"axes": limits.axes.tolist(), "order": limits.order, **ends}
+
+
+def limits_of(joint: int, row: Any) -> JointLimits:
+    """The same from what such a row says; MocurveError, TypeError or KeyError where it is none."""
+    low, high = (
+        np.array([end if x is None else x for x in row[name]], np.float64)
+        for name, end in (("low", -np.inf), ("high", np.inf))
+    )
+    return JointLimits(joint, np.array(row["axes"], np.float64), str(row["order"]), low, high)
 
 
 def rows(objects: list[dict[str, Any]]) -> str:
@@ -121,9 +138,18 @@ class Reader:
                 tuple(tuple(joint["channels"]) for joint in joints),
                 [joint.get("end_site", False) for joint in joints],  # type: ignore[arg-type]
                 None if unit is None else self.number(unit, "unit"),
+                tuple(
+                    self.limits(i, joint["limits"]) for i, joint in enumerate(joints) if joint.get("limits") is not None
+                ),
             )
         except MocurveError as error:
             raise FileError(f"joints: {error}", self.path) from error
+
+    def limits(self, joint: int, row: Any) -> JointLimits:
+        try:
+            return limits_of(joint, row)
+        except (MocurveError, TypeError, KeyError, ValueError) as error:
+            raise FileError(f"joints[{joint}].limits: {error}", self.path) from error
 
     def report(self, data: Any) -> Any:
         if data is None:
