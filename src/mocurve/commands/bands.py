@@ -20,8 +20,8 @@ Output = Annotated[
 Gains = Annotated[
     list[str],
     Parameter(
-        help="Gains from the finest band on, 0,0.5, or of some, 0=0 3=1.5, or of the band that holds a frequency, 6Hz=2. "
-        "The others have gain 1.",
+        help="Gains from the finest band on, 0,0.5, of some, 0=0 3=1.5, or of the band that holds a frequency, 6Hz=2. "
+        "Others have 1.",
         consume_multiple=True,
     ),
 ]

@@ -16,8 +16,8 @@ Limits = Annotated[
     list[str] | None,
     Parameter(
         name="--limit",
-        help="Of a channel, LeftArm.Zrotation=-90:45, or of an angle that the command tells, LeftLeg.flexion=-3:140; one side "
-        "may be left out. By default what the file says, else ranges of people.",
+        help="Of a channel, LeftArm.Zrotation=-90:45, or of an angle that the command tells, LeftLeg.flexion=-3:140; "
+        "one side may be left out. By default what the file says, else ranges of people.",
         consume_multiple=True,
     ),
 ]

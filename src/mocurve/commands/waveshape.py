@@ -15,8 +15,7 @@ from ._terminal import told_when_compiling
 Soft = Annotated[
     list[str],
     Parameter(
-        help="Limits that a channel bends towards, LeftArm.Zrotation=-90:45; one side may be left out. Give it as often as "
-        "needed.",
+        help="Limits that a channel bends towards, LeftArm.Zrotation=-90:45; one side may be left out.",
         consume_multiple=True,
     ),
 ]

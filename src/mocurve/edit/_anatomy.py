@@ -1,8 +1,8 @@
 """Knees, elbows, hips and shoulders, found by name, and what those of people can do.
 
-The ranges are those that the American Academy of Orthopaedic Surgeons gives as normal (Joint Motion: Method of Measuring
-and Recording, Chicago 1965), with cones around the directions that its hip and shoulder reach, and an allowance. Knees and
-elbows do not bend backwards.
+The ranges are those that the American Academy of Orthopaedic Surgeons gives as normal (Joint Motion: Method of
+Measuring and Recording, Chicago 1965), with cones around the directions that its hip and shoulder reach, and an
+allowance. Knees and elbows do not bend backwards.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+")
 
 ALLOWANCE = 15.0  # degrees beyond what is normal: norms are no extremes, and directions are told from joints, not bones
 FLEXION = {"knee": (0.0, 135.0 + ALLOWANCE), "elbow": (0.0, 150.0 + ALLOWANCE)}
-# directions of a limb as (to its own side, up, ahead), and degrees between them and the middle of the cone: the smallest
-# that holds a hip bent by 120 and stretched by 30, an arm raised by 180, stretched by 60 and brought across by 130
+# the middle of a cone as (to the limb's own side, up, ahead), and degrees from there: the smallest cones that hold a
+# hip bent by 120 and stretched by 30, an arm raised by 180, stretched by 60 and brought across by 130
 CONES = {"knee": ((0.0, -1.0, 1.0), 75.0 + ALLOWANCE), "elbow": ((2.105, -0.577, 1.0), 104.0 + ALLOWANCE)}
 TWISTS = {"knee": 45.0 + ALLOWANCE, "elbow": 90.0 + ALLOWANCE}
 SOURCE = f"ranges of people (AAOS 1965, and {ALLOWANCE:g} degrees more)"
@@ -121,7 +121,8 @@ def _balls(
         return [], ["hips and shoulders: both knees and both elbows are needed, one of each, to tell up and ahead"]
     places, above = kinematics.world(motion), _above(motion, [skeleton.parents[below[pair]] for pair in pairs])
     ball = {pair: int(skeleton.parents[below[pair]]) for pair in pairs}
-    up = sum(side * 0.5 * places[:, ball[part, s]] for part, side in (("elbow", 1), ("knee", -1)) for s in (1, -1))
+    shoulders, hips = (places[:, ball[part, 1]] + places[:, ball[part, -1]] for part in ("elbow", "knee"))
+    up = shoulders - hips
     found: list[Limit] = []
     lost = []
     for part, side in pairs:

@@ -1,5 +1,5 @@
-"""A curve taken apart into bands an octave wide, and put together again (Bruderlin and Williams 1995, section 2.1; the
-filter without decimation: Burt and Adelson's kernel, spread by powers of two).
+"""A curve taken apart into bands an octave wide, and put together again (Bruderlin and Williams 1995; here
+without decimation: Burt and Adelson's kernel, spread by powers of two).
 
 Band 0 is the finest: what the first smoothing takes away. Band k is what the next one takes away, whose kernel is twice
 as wide; what is left after the last is the slow rest. All bands and the rest add up to the curve.
@@ -13,6 +13,7 @@ from .. import rotation
 
 KERNEL = np.array([1.0, 4.0, 6.0, 4.0, 1.0]) / 16.0
 LONG = np.radians(150.0)  # a joint that turns further away from its first pose may turn on and on
+UNTOLD = 0.1  # a body that turns on about all axes has no twist to count
 NARROW = 1e-6  # of a mean of rotations: shorter means that they point everywhere
 
 
@@ -46,18 +47,21 @@ def shaped(values: np.ndarray, gains: np.ndarray) -> tuple[np.ndarray, np.ndarra
 def turned(wxyz: np.ndarray, gains: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Rotations (F, 4) with the turn of each band times its gain, and the bands (K, F, 3), radians.
 
-    A band is the rotation vector from the smoother track to the finer one, so that a gain multiplies angles. What turns
-    on and on is counted as an angle about the coordinate axis it turns most about; the rest of it is a track of its own.
+    A band is the rotation vector from the smoother track to the finer one, so that a gain multiplies angles. What
+    turns on and on is counted as an angle about a coordinate axis, the one that the rest of it is least turned away
+    from (the vertical of a body that walks in circles); that rest is a track of its own.
     """
     track = rotation.unroll(wxyz)
     away = rotation.mul(rotation.inv(track[:1]), track)
-    if 2.0 * np.arccos(np.clip(away[:, 0].min(initial=1.0), -1.0, 1.0)) <= LONG:
+    far = 2.0 * np.arccos(np.clip(away[:, 0].min(initial=1.0), -1.0, 1.0)) > LONG
+    told = (track[:, 1:] ** 2 + track[:, :1] ** 2).min(axis=0, initial=1.0)  # (3,) where it is 0 a twist is not defined
+    axis = int(np.argmax(told))
+    if not far or told[axis] < UNTOLD:
         return _of_track(track, gains)
-    twists = 2.0 * np.unwrap(np.arctan2(track[:, 1:], track[:, :1]), axis=0)
-    axis = int(np.argmax(np.ptp(twists, axis=0)))
+    twist = 2.0 * np.unwrap(np.arctan2(track[:, 1 + axis], track[:, 0]))[:, None]
     about = np.eye(3)[axis]
-    angle, by_angle = shaped(twists[:, [axis]], gains)
-    rest = rotation.mul(rotation.inv(rotation.exp(twists[:, [axis]] * about)), track)
+    angle, by_angle = shaped(twist, gains)
+    rest = rotation.mul(rotation.inv(rotation.exp(twist * about)), track)
     made, bands = _of_track(rotation.unroll(rest), gains)
     return rotation.mul(rotation.exp(angle * about), made), bands + by_angle * about
 
@@ -91,7 +95,7 @@ def _mirrored_turns(track: np.ndarray, reach: int) -> np.ndarray:
 def _smoothed(padded: np.ndarray, k: int) -> np.ndarray:
     """The kernel with its weights 2^k rows apart, over rows with 2^(k + 1) more at both ends."""
     step, size = 1 << k, len(padded) - (4 << k)
-    return sum(weight * padded[i * step : i * step + size] for i, weight in enumerate(KERNEL))  # type: ignore[return-value]
+    return np.sum([weight * padded[i * step : i * step + size] for i, weight in enumerate(KERNEL)], axis=0)
 
 
 def _of_track(track: np.ndarray, gains: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

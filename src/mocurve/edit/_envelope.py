@@ -1,14 +1,16 @@
-"""One smooth displacement for each run of values beyond a limit (Sudarsky and House 1998, section 4.3).
+"""One smooth displacement for each run of values beyond a limit (Sudarsky and House 1998, section 4).
 
 It is as large as the violation where that is worst, nowhere smaller, and gone within the support. How: the largest
-violation nearby (a running maximum as wide as half the support) is smoothed by a kernel just as wide, so at every frame it
-is a mean of values none of which is below that frame's own violation.
+violation nearby (a running maximum as wide as half the support) is smoothed by a kernel just as wide, so at every frame
+it is a mean of values none of which is below that frame's own violation.
 """
 
 from __future__ import annotations
 
 import numpy as np
 from scipy.ndimage import correlate1d, maximum_filter1d
+
+from ._poses import smooth
 
 LEAST = 1e-6  # degrees or units; less is no violation: files round
 PASSES = 12
@@ -28,11 +30,12 @@ def bounded(values: np.ndarray, low: float, high: float, half: int, inside: floa
     and what is then still beyond is cut off.
     """
     made = values
+    middle = 0.5 * (low + high) if high - low < np.inf else -np.inf
     for _ in range(PASSES):
         if not over(made, low, high).any():
             return made
-        made = _below(made, high - inside, over(made, -np.inf, high) > 0, half)
-        made = -_below(-made, -low - inside, over(made, low, np.inf) > 0, half)
+        made = _below(made, high - inside, over(made, -np.inf, high) > 0, half, middle)
+        made = -_below(-made, -low - inside, over(made, low, np.inf) > 0, half, -middle)
     return np.where(over(made, low, high) > 0, np.clip(made, low, high), made)
 
 
@@ -41,11 +44,14 @@ def runs(beyond: np.ndarray) -> int:
     return int(np.sum(beyond[1:] & ~beyond[:-1]) + beyond[:1].sum())
 
 
-def _below(values: np.ndarray, limit: float, beyond: np.ndarray, half: int) -> np.ndarray:
+def _below(values: np.ndarray, limit: float, beyond: np.ndarray, half: int, middle: float) -> np.ndarray:
+    """Values (F,) brought below a limit. Those on the other side of `middle` stay, that they may not leave there."""
     if not beyond.any():
         return values
     largest = maximum_filter1d(np.where(beyond, values - limit, 0.0), 2 * half + 1, mode="nearest")
     place = np.arange(-half, half + 1) / (half + 1.0)
     kernel = (1.0 - place**2) ** 2
     by = correlate1d(largest, kernel / kernel.sum(), mode="nearest")
+    if np.isfinite(middle) and limit > middle:
+        by *= smooth(np.clip((values - middle) / (limit - middle), 0.0, 1.0))
     return np.where(by > 0, np.minimum(values - by, limit), values)

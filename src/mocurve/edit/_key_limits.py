@@ -44,8 +44,9 @@ def bounded(
         for channel, (low, high) in limits.items():
             if not len(curves[channel]):
                 continue
-            by = _bump(curves[channel], high, 1.0, support, (start, end))
-            by = by or _bump(curves[channel], low, -1.0, support, (start, end))
+            middle = 0.5 * (low + high) if high - low < np.inf else None
+            by = _bump(curves[channel], high, middle, 1.0, support, (start, end))
+            by = by or _bump(curves[channel], low, middle, -1.0, support, (start, end))
             if by is not None:
                 bumps[channel] = within(by, start, end)
         if not bumps:
@@ -54,25 +55,32 @@ def bounded(
     return None
 
 
-def _bump(curve: HermiteCurve, limit: float, way: float, support: float, span: tuple[float, float]) -> Bump | None:
-    """What is to be added to a curve that goes beyond an upper (way 1) or lower (-1) limit."""
+def _bump(
+    curve: HermiteCurve, limit: float, middle: float | None, way: float, support: float, span: tuple[float, float]
+) -> Bump | None:
+    """What is to be added to a curve that goes beyond an upper (way 1) or lower (-1) limit.
+
+    It is gone before the curve has its next extreme on the other side of `middle`, that it may not leave there.
+    """
     times, values = extremes(curve)
     beyond = way * (values - limit)
     above = np.flatnonzero(beyond > LEFT)
     if not len(above):
         return None
+    other = np.array([]) if middle is None else times[way * (values - middle) < 0]
     points: list[tuple[float, float]] = []
     ends = -np.inf  # of the run before, its support included
     for first, last in _stretches(above):
         begins = _crossing(curve, limit, times, first, -1) - support
+        begins = max(begins, other[other < times[first]].max(initial=-np.inf))
         if begins > ends:
-            points += [] if not points else [(ends, 0.0)]
+            points += [(ends, 0.0)] if points else []
             points += [(span[0], beyond[0])] if first == 0 else [(begins, 0.0)]
         for k in range(first, last + 1):
-            beside = beyond[max(k - 1, 0) : k + 2]
-            if beyond[k] >= beside.max():
+            if beyond[k] >= beyond[max(k - 1, 0) : k + 2].max():
                 points.append((float(times[k]), float(beyond[k])))
         ends = _crossing(curve, limit, times, last, 1) + support
+        ends = min(ends, other[other > times[last]].min(initial=np.inf))
         if last == len(times) - 1:
             points.append((span[1], float(beyond[-1])))
             ends = np.inf
@@ -90,7 +98,7 @@ def _stretches(places: np.ndarray) -> list[tuple[int, int]]:
 
 
 def _crossing(curve: HermiteCurve, limit: float, times: np.ndarray, inside: int, step: int) -> float:
-    """When the curve crosses the limit between an extreme beyond it and the neighbour that is not; it is monotone there."""
+    """When the curve crosses the limit between an extreme beyond it and the next that is not; there it is monotone."""
     outside = inside + step
     if not 0 <= outside < len(times):
         return float(times[inside])

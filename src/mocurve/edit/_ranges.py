@@ -17,6 +17,8 @@ from .. import rotation
 from ..errors import OptionError
 from ._poses import smooth
 
+End = tuple[float | None, float | None]  # low and high, None where open
+
 
 class Limit(Protocol):
     """What all kinds have."""
@@ -61,9 +63,9 @@ class OfJoint:
         return self.read(rotation.from_euler(values[:, self.columns], self.order))
 
     def put(self, values: np.ndarray, before: np.ndarray, after: np.ndarray, frames: np.ndarray) -> None:
-        own = values[np.ix_(frames, self.columns)]
+        own = values[frames[:, None], self.columns]
         turned = self.moved(rotation.from_euler(own, self.order), before[frames], after[frames])
-        values[np.ix_(frames, self.columns)] = nearest_euler(turned, self.order, own)
+        values[frames[:, None], self.columns] = nearest_euler(turned, self.order, own)
 
     def read(self, wxyz: np.ndarray) -> np.ndarray:
         """Angles (F, n) of rotations (F, 4)."""
@@ -173,8 +175,8 @@ def nearest_euler(wxyz: np.ndarray, order: str, near: np.ndarray) -> np.ndarray:
     return np.stack(ways)[np.argmin(off, axis=0), np.arange(len(angles))]
 
 
-def parse(given: Any, what: str) -> dict[str, tuple[float | None, float | None]]:
-    """{name: (low, high)} from a mapping or from texts "LeftArm.Zrotation=-90:45"; None for a side that is left open."""
+def parse(given: Any, what: str) -> dict[str, End]:
+    """{name: (low, high)} from a mapping or from texts "LeftArm.Zrotation=-90:45"; None for a side left open."""
     if isinstance(given, Mapping):
         entries = list(given.items())
     else:

@@ -1,4 +1,4 @@
-"""The verb `bands`: the fine and the slow of a motion, each made more or less (Bruderlin and Williams 1995, section 2,
+"""The verb `bands`: the fine and the slow of a motion, each made more or less (Bruderlin and Williams 1995,
 multiresolution filtering)."""
 
 from __future__ import annotations
@@ -75,7 +75,8 @@ def bands(clip: Clip, gains: Gains = (), *, only: str | Sequence[str] = ()) -> C
         result = made
     edges = _bank.edges(len(wanted), own.frame_time)
     found = [
-        Band(k, float(edges[k + 1]), float(edges[k]), *sizes[k].tolist(), float(gain)) for k, gain in enumerate(wanted)
+        Band(k, float(edges[k + 1]), float(edges[k]), float(sizes[k, 0]), float(sizes[k, 1]), float(gain))
+        for k, gain in enumerate(wanted)
     ]
     step = {"verb": "bands", "gains": asked, "only": only if isinstance(only, str) else list(only)}
     return recorded(result, (*clip.history, {**step, "measured": [asdict(band) for band in found]}))
@@ -84,7 +85,7 @@ def bands(clip: Clip, gains: Gains = (), *, only: str | Sequence[str] = ()) -> C
 def parse(gains: Any) -> dict[str, float]:
     """{"0": 0.5, "6Hz": 2} from any of the forms; also "0=0.5", "0=0.5,6Hz=2", "0,0.5,1" and lists of these."""
     if isinstance(gains, Mapping):
-        pairs = list(gains.items())
+        pairs: list[Any] = list(gains.items())
     else:
         items = gains.split(",") if isinstance(gains, str) else list(gains) if np.iterable(gains) else [gains]
         texts = [part for item in items for part in (item.split(",") if isinstance(item, str) else [item])]

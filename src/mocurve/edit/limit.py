@@ -1,29 +1,28 @@
-"""The verb `limit`: joints kept within what they can do, by one smooth displacement for each violation (Sudarsky and House
-1998, section 4.3; Bruderlin and Williams 1995 for limits as such)."""
+"""The verb `limit`: joints kept within what they can do, by one smooth displacement for each run of violations (a local
+motion warp, as Sudarsky and House 1998 do it)."""
 
 from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-from fnmatch import fnmatchcase
 from typing import Any
 
 import numpy as np
 
-from ..errors import OptionError, UnknownName
+from ..errors import OptionError
 from ..keyed import KeyedMotion
 from ..motion import Clip, Motion
-from ..skeleton import Skeleton, matching
 from ..spline import SplineMotion
 from . import _anatomy, _envelope, _key_limits
 from ._extremes import extremes
+from ._limits_of import beyond_of, sought
 from ._pair import complete, recorded, tell_sampled
-from ._ranges import Eulers, Limit, OfChannel, parse
+from ._ranges import End, Limit, OfChannel, parse
 
-Limits = Mapping[str, tuple[float | None, float | None]] | Sequence[str] | str
+Limits = Mapping[str, End] | Sequence[str] | str
 PASSES = 8
-BELIEVED = 0.25  # of the frames; a limit that a file says and whose own motion is beyond it more often fits neither
+CHANGED = 1e-9  # degrees or units
 INSIDE = 1e-6  # degrees further than to a limit, where channels are computed from angles: files round
 
 
@@ -64,8 +63,8 @@ def limit(clip: Clip, limits: Limits | None = None, *, only: str | Sequence[str]
     Parameters
     ----------
     limits
-        {name: (low, high)} such as {"LeftArm.Zrotation": (-90, 45)}, None for a side that is open: of channels, or of the
-        angles of joints that are recognised: LeftLeg.flexion, LeftUpLeg.swing, LeftUpLeg.twist. * stands for anything.
+        {name: (low, high)} such as {"LeftArm.Zrotation": (-90, 45)}, None for a side that is open: of channels, or of
+        angles of joints that are recognised, LeftLeg.flexion, LeftUpLeg.swing, LeftUpLeg.twist; * stands for anything.
         By default what the file says (Acclaim), or else ranges of people, with a warning, for knees and elbows
         (flexion, 0 is straight) and for hips and shoulders (swing out of the middle of a cone, and twist).
     only
@@ -73,11 +72,12 @@ def limit(clip: Clip, limits: Limits | None = None, *, only: str | Sequence[str]
     support
         How long before and after a run of violations the clip may change, seconds.
 
-    At the worst frame of a run what is added is as large as the violation; elsewhere no smaller than there is need. It is
-    smooth up to its acceleration, and frames outside of the support stay to the last digit. Afterwards no frame is
-    beyond a limit by more than 1e-6 degrees. Keys and splines stay what they are where the limits are of channels, and
-    keep them between frames too; else they become samples. The last step of the `history` tells of each angle its limits,
-    runs, changed frames, largest violation and acceleration under "measured". Errors: OptionError for limits and where no
+    At the worst frame of a run what is added is as large as the violation; elsewhere no smaller than there is need. It
+    is smooth up to its acceleration, and frames outside of the support stay to the last digit. Afterwards no frame is
+    beyond a limit by more than 1e-6 degrees. A limit that the file says and that its own motion breaks in more than a
+    quarter of the frames is not taken. Keys and splines stay what they are where the limits are of channels, and keep
+    them between frames too; else they become samples. The last step of the `history` tells under "measured" the limits,
+    runs, changed frames, largest violation and acceleration of each angle. Errors: OptionError for limits and where no
     joint is recognised, UnknownName.
 
     >>> able = mc.limit(walk)
@@ -86,8 +86,7 @@ def limit(clip: Clip, limits: Limits | None = None, *, only: str | Sequence[str]
         raise OptionError(f"support is a number of seconds above 0, not {support!r}")
     own = complete(clip.sample())
     asked = None if limits is None else parse(limits, "limit")
-    found, source, lost = _limits(own, asked)
-    found = _chosen(found, own.skeleton, only)
+    found, source, lost = sought(own, asked, only)
     made = _bounded(clip, own, found, support)
     rows = _measured(clip, own, made, found)
     if source == _anatomy.SOURCE and any(row.runs for row in rows):
@@ -98,108 +97,6 @@ def limit(clip: Clip, limits: Limits | None = None, *, only: str | Sequence[str]
 
 
 # -- in call order ---------------------------------------------------------------------------------
-
-
-def _limits(
-    motion: Motion, asked: Mapping[str, tuple[float | None, float | None]] | None
-) -> tuple[list[Limit], str, list[str]]:
-    """What is to be held, where it comes from, and what was recognised but cannot be."""
-    if asked is not None:
-        return _given(motion, asked), "given", []
-    if motion.skeleton.limits:
-        return _believed(_of_file(motion), motion)
-    found, lost = _anatomy.of_people(motion)
-    if not found and motion.frames:
-        why = f" ({lost[0]})" if lost else ""
-        raise OptionError(
-            f"no knee, elbow, hip or shoulder is recognised by its name{why}: say limits, --limit LeftArm.Zrotation=-90:45"
-        )
-    return found, _anatomy.SOURCE, lost
-
-
-def _given(motion: Motion, asked: Mapping[str, tuple[float | None, float | None]]) -> list[Limit]:
-    channels = motion.skeleton.channel_names
-    angles: list[Limit] = []
-    found: dict[str, Limit] = {}
-    for name, (low, high) in asked.items():
-        ends = np.array([-np.inf if low is None else low]), np.array([np.inf if high is None else high])
-        fitting: dict[str, Limit] = {
-            channel: OfChannel((channel,), column, *ends)
-            for column, channel in enumerate(channels)
-            if name == channel or fnmatchcase(channel, name)
-        }
-        if not fitting:
-            angles = angles or [*_anatomy.of_people(motion)[0], *_of_file(motion)]
-            fitting = {
-                angle: _alone(kind, place, *ends)
-                for kind in angles
-                for place, angle in enumerate(kind.names)
-                if name == angle or fnmatchcase(angle, name)
-            }
-        if not fitting:
-            raise UnknownName("channel or angle", name, (*(a for kind in angles for a in kind.names), *channels))
-        for angle, kind in fitting.items():
-            if angle in found and name == angle:
-                raise OptionError(f"two limits are given for {angle}")
-            found[angle] = kind
-    return list(found.values())
-
-
-def _alone(kind: Limit, place: int, low: np.ndarray, high: np.ndarray) -> Limit:
-    """The same kind of limit with only one of its angles bounded."""
-    lows, highs = np.full(len(kind.names), -np.inf), np.full(len(kind.names), np.inf)
-    lows[place], highs[place] = low[0], high[0]
-    return replace(kind, low=lows, high=highs)  # type: ignore[type-var]  # every kind is a dataclass
-
-
-def _of_file(motion: Motion) -> list[Limit]:
-    """The limits that the skeleton carries; of channels, where its angles are those."""
-    skeleton = motion.skeleton
-    found: list[Limit] = []
-    for bounds in skeleton.limits:
-        columns, order = skeleton.eulers[bounds.joint]
-        name = skeleton.names[bounds.joint]
-        middle = 0.5 * (np.maximum(bounds.low, -180.0) + np.minimum(bounds.high, 180.0))
-        plain = order == bounds.order and not bounds.axes[1:].any()
-        if plain and (np.abs(motion.values[:, columns] - middle) <= 180.0).all():
-            ends = zip(columns, bounds.low, bounds.high, strict=True)
-            found += [OfChannel((skeleton.channel_names[c],), c, low[None], high[None]) for c, low, high in ends]
-        elif order:
-            names = tuple(f"{name}.r{axis.lower()}" for axis in bounds.order)
-            found.append(Eulers(names, columns, order, bounds.low, bounds.high, bounds.axes, bounds.order))
-    return found
-
-
-def _believed(limits: list[Limit], motion: Motion) -> tuple[list[Limit], str, list[str]]:
-    """Without the angles that are beyond a file's limit in much of its own motion: templates say more than bodies."""
-    lost = []
-    kept: list[Limit] = []
-    for kind in limits:
-        share = (
-            (_beyond(kind, kind.angles(motion.values)) > 0).mean(axis=0) if motion.frames else np.zeros(len(kind.names))
-        )
-        odd = share > BELIEVED
-        ends = zip(kind.names, kind.low, kind.high, share, odd, strict=True)
-        lost += [
-            f"{name}: the file says {low:g} to {high:g}, and {100 * part:.0f} % of its frames are beyond"
-            for name, low, high, part, is_odd in ends
-            if is_odd
-        ]
-        if not odd.all():
-            low, high = np.where(odd, -np.inf, kind.low), np.where(odd, np.inf, kind.high)
-            kept.append(replace(kind, low=low, high=high))  # type: ignore[type-var]  # every kind is a dataclass
-    return kept, "the file", lost
-
-
-def _chosen(limits: list[Limit], skeleton: Skeleton, only: str | Sequence[str]) -> list[Limit]:
-    names = [only] if isinstance(only, str) else list(only)
-    if not names:
-        return limits
-    joints = {skeleton.names[j] for name in names for j in matching(name, skeleton.names, skeleton.names, "joint")}
-    found = [kind for kind in limits if kind.names[0].rpartition(".")[0] in joints]
-    if not found:
-        raise OptionError(f"none of the joints that {', '.join(names)} names has limits here")
-    return found
 
 
 def _bounded(clip: Clip, own: Motion, limits: list[Limit], support: float) -> Clip:
@@ -214,7 +111,7 @@ def _bounded(clip: Clip, own: Motion, limits: list[Limit], support: float) -> Cl
     half = max(1, int(0.5 * support / own.frame_time))
     values = np.array(own.values, order="F")
     for _ in range(PASSES):
-        beyond = [kind for kind in limits if _beyond(kind, kind.angles(values)).any()]
+        beyond = [kind for kind in limits if beyond_of(kind, kind.angles(values)).any()]
         if not beyond:
             break
         for kind in beyond:
@@ -234,41 +131,38 @@ def _bounded(clip: Clip, own: Motion, limits: list[Limit], support: float) -> Cl
     return replace(own, values=values, report=None)
 
 
-def _beyond(kind: Limit, angles: np.ndarray) -> np.ndarray:
-    return np.stack([_envelope.over(angles[:, k], kind.low[k], kind.high[k]) for k in range(len(kind.names))], axis=1)
-
-
 def _measured(clip: Clip, own: Motion, made: Clip, limits: list[Limit]) -> list[Limited]:
     after = made.sample()
     rows = []
     for kind in limits:
         was, now = kind.angles(own.values), kind.angles(after.values)
-        left = _beyond(kind, was), np.maximum(np.maximum(now - kind.high, kind.low - now), 0.0)
+        beyond, left = beyond_of(kind, was), np.maximum(np.maximum(now - kind.high, kind.low - now), 0.0)
         for k, name in enumerate(kind.names):
             low, high = float(kind.low[k]), float(kind.high[k])
             if low == -np.inf and high == np.inf:
                 continue
-            changed = np.abs(now[:, k] - was[:, k]) > 1e-9
-            worst = [float(left[i][:, k].max(initial=0.0)) for i in (0, 1)]
+            changed = np.abs(now[:, k] - was[:, k]) > CHANGED
+            before, rest = (float(away[:, k].max(initial=0.0)) for away in (beyond, left))
             if isinstance(kind, OfChannel):
-                worst = [max(w, _between(c, kind.column, low, high)) for w, c in zip(worst, (clip, made), strict=True)]
-            rows.append(
-                Limited(
-                    name,
-                    None if low == -np.inf else low,
-                    None if high == np.inf else high,
-                    _envelope.runs(left[0][:, k] > 0) or int(worst[0] > _envelope.LEAST),
-                    int(changed.sum()),
-                    *worst,
-                    _accelerations(was[:, k], now[:, k], changed, own.frame_time),
-                )
+                before = max(before, _between(clip, kind.column, low, high))
+                rest = max(rest, _between(made, kind.column, low, high))
+            row = Limited(
+                angle=name,
+                low=None if low == -np.inf else low,
+                high=None if high == np.inf else high,
+                runs=_envelope.runs(beyond[:, k] > 0) or int(before > _envelope.LEAST),
+                frames=int(changed.sum()),
+                before=before,
+                after=rest,
+                acceleration=_accelerations(was[:, k], now[:, k], changed, own.frame_time),
             )
+            rows.append(row)
     return rows
 
 
 def _summed(rows: Sequence[Limited], own: Motion, made: Clip) -> dict[str, Any]:
     joints = {row.angle.rpartition(".")[0] for row in rows if row.runs}
-    moved = np.abs(made.sample().values - own.values) > 1e-9
+    moved = np.abs(made.sample().values - own.values) > CHANGED
     return {
         "joints": len(joints),
         "runs": sum(row.runs for row in rows),

@@ -1,4 +1,4 @@
-"""The verb `waveshape`: the values of channels put through a curve (Bruderlin and Williams 1995, section 5)."""
+"""The verb `waveshape`: values of channels put through a curve (Bruderlin and Williams 1995, motion waveshaping)."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from ..errors import OptionError
 from ..keyed import KeyedMotion
 from ..motion import Clip
 from ..skeleton import Skeleton, matching
+from ..spline import SplineMotion
 from ._extremes import extremes
 from ._pair import complete, recorded, tell_sampled
 from ._ranges import parse as parse_ranges
@@ -26,7 +27,7 @@ SOFT = 0.1  # of the range from one limit to the other
 
 @dataclass(frozen=True)
 class Shaped:
-    """What became of one channel: the share of its frames that changed, and least and largest value before and after."""
+    """What became of a channel: the share of its frames that changed, its least and largest value before and after."""
 
     channel: str
     changed: float
@@ -75,15 +76,15 @@ def waveshape(clip: Clip, soft: Ranges = (), map: Maps = (), *, margin: float | 
         {channel: (low, high)} such as {"LeftArm.Zrotation": (-90, 45)}: values inside stay, those near and beyond a
         limit bend towards it and never reach it; None for a side without limit. * stands for anything.
     map
-        {channel: [(old, new), ...]} such as {"LeftArm.Zrotation": [(-90, -60), (0, 0), (90, 60)]}: a rising curve through
-        these pairs (Fritsch and Carlson 1980), straight on beyond them.
+        {channel: [(old, new), ...]} such as {"LeftArm.Zrotation": [(-90, -60), (0, 0), (90, 60)]}: a rising curve
+        through these pairs (Fritsch and Carlson 1980), straight on beyond them.
     margin
-        How far from a soft limit values begin to bend, in the channel's degrees or units; by default a tenth of the range
-        between the limits, or of the channel's own where one side is open.
+        How far from a soft limit values begin to bend, in the channel's degrees or units; by default a tenth of the
+        range between the limits, or of the channel's own where one side is open.
 
-    Values are those of the channel itself, whole turns included. Channels that are not named, and values that stay, come
-    back to the last digit. Keys and splines whose values all stay are kept, others become samples. The last step of the
-    `history` tells of each channel the share of its frames that changed and its range before and after. Errors:
+    Values are those of the channel itself, whole turns included. Channels that are not named, and values that stay,
+    come back to the last digit. Keys and splines whose values all stay are kept, others become samples. The last step
+    of the `history` tells of each channel the share of its frames that changed and its range before and after. Errors:
     OptionError for ranges and pairs, UnknownName for a channel.
 
     >>> calm = mc.waveshape(walk, {"LeftForeArm.*": (-60, 60)})
@@ -147,14 +148,15 @@ def _curves(
     """The curve of each channel (index) that has one."""
     names = skeleton.channel_names
     found: dict[int, Soft | Through] = {}
-    for name, given in (*ranges.items(), *maps.items()):
-        for column in matching(name, names, names, "channel"):
-            if column in found and name in names:
-                raise OptionError(f"two curves are given for {names[column]}")
-            if name in ranges:
-                found[column] = _soft(*ranges[name], values[:, column], margin, name)  # type: ignore[misc]
-            else:
-                found[column] = Through(*np.array(given, np.float64).T)
+    for given in (ranges, maps):
+        for name, numbers in given.items():
+            for column in matching(name, names, names, "channel"):
+                if column in found and name in names:
+                    raise OptionError(f"two curves are given for {names[column]}")
+                if given is ranges:
+                    found[column] = _soft(*ranges[name], values[:, column], margin, name)
+                else:
+                    found[column] = Through(*np.array(numbers, np.float64).T)
     return dict(sorted(found.items()))
 
 
@@ -173,7 +175,7 @@ def _kept(clip: Clip, curves: Mapping[int, Soft | Through]) -> bool:
     """Whether no value of the clip changes, also between frames."""
     if isinstance(clip, KeyedMotion):
         reached = {c: extremes(clip.curves[c])[1] for c in curves}
-    elif hasattr(clip, "knots"):  # a spline's curve lies among its coefficients
+    elif isinstance(clip, SplineMotion):  # a curve lies among its coefficients
         reached = {c: clip.values[:, c] for c in curves}
     else:
         return False

@@ -32,8 +32,8 @@ Row = tuple[int, list[str]]  # line of the file, its words
 
 class Bone(NamedTuple):
     """line: where it begins in the file; way: (3,) of length 1, where it points, 0 for the root; axis: (4,) wxyz, what
-    turns the axes of the body to its own; dof: "rx" ... "tz", "l", in the order of the numbers in AMC; limits: the least
-    and the largest of each, degrees or length units, empty where the file says none."""
+    turns the axes of the body to its own; dof: "rx" ... "tz", "l", in the order of the numbers in AMC; limits: the
+    least and the largest of each, degrees or length units, empty where the file says none."""
 
     name: str
     line: int
@@ -230,8 +230,8 @@ class _Reader:
         pairs = list(zip(limits[::2], limits[1::2], strict=True))
         if any(low > high for low, high in pairs):
             warnings.warn(
-                f"{os.fspath(self.path)}:{self.line}: limits of bone {name!r} with the lower above the higher one are left "
-                "aside",
+                f"{os.fspath(self.path)}:{self.line}: the limits of bone {name!r} are left aside: a lower one is "
+                "above the higher",
                 stacklevel=7,
             )
             return ()
