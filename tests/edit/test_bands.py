@@ -100,7 +100,7 @@ def test_a_swing_is_found_in_the_band_that_has_its_frequency_and_takes_its_gain(
 
 def test_at_an_edge_half_has_been_smoothed_away() -> None:
     for band, edge in enumerate(_bank.edges(5, 1 / FPS)[1:]):
-        smooth = mc.bands(wave(edge, 1601), {k: 0 for k in range(band + 1)}).values[400:-400, 0]
+        smooth = mc.bands(wave(edge, 1601), dict.fromkeys(range(band + 1), 0)).values[400:-400, 0]
         np.testing.assert_allclose(np.abs(smooth).max(), 0.5, rtol=0.02)
 
 

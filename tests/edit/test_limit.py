@@ -37,7 +37,7 @@ def keyed(values: list[float], slopes: list[float] | None = None) -> mc.KeyedMot
     """Keys half a second apart, sampled at 100 frames a second."""
     times = 0.5 * np.arange(len(values))
     curve = mc.HermiteCurve(times, values, np.zeros(len(values)) if slopes is None else slopes)
-    return mc.KeyedMotion(ONE, (curve,), 0.01, int(round(times[-1] / 0.01)) + 1)
+    return mc.KeyedMotion(ONE, (curve,), 0.01, round(times[-1] / 0.01) + 1)
 
 
 # -- samples -----------------------------------------------------------------------------------------

@@ -119,7 +119,7 @@ def test_one_side_can_be_open_and_the_margin_has_a_default(motion: mc.Motion) ->
 
 
 def test_the_step_can_be_run_again(motion: mc.Motion) -> None:
-    made = mc.waveshape(motion, f"{ARM}=-80:", [f"Hips.Yposition=15:15.5,20:18"], margin=2)
+    made = mc.waveshape(motion, f"{ARM}=-80:", ["Hips.Yposition=15:15.5,20:18"], margin=2)
     step = {k: v for k, v in made.history[-1].items() if k not in ("verb", "measured")}
     assert mc.waveshape(motion, **step).values.tobytes() == made.values.tobytes()
 
