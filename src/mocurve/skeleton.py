@@ -37,6 +37,8 @@ class JointLimits:
     high: np.ndarray
 
     def __post_init__(self) -> None:
+        if type(self.joint) is not int:
+            raise Mismatch(f"joint limits are of a joint, by its index, not of {self.joint!r}")
         for name, count in (("axes", 4), ("low", len(self.order)), ("high", len(self.order))):
             array = np.array(getattr(self, name), np.float64).reshape(-1)
             if len(array) != count or np.isnan(array).any():

@@ -51,6 +51,7 @@ def test_a_clip_within_its_limits_comes_back_to_the_last_bit(motion: mc.Motion) 
 FRACTIONS = st.floats(0.0, 1.0)
 
 
+@pytest.mark.filterwarnings("ignore:.*: a spike")
 @given(st.integers(0, 1000), FRACTIONS, FRACTIONS, st.floats(0.005, 3.0))
 def test_no_sample_is_beyond_and_a_second_time_changes_nothing(seed: int, a: float, b: float, support: float) -> None:
     dice = np.random.default_rng(seed)
@@ -116,6 +117,14 @@ def test_limits_can_be_written_as_texts_and_patterns(motion: mc.Motion) -> None:
     assert column(made).tobytes() == column(same).tobytes()
     step = {k: v for k, v in made.history[-1].items() if k not in ("verb", "measured")}
     assert mc.limit(motion, **step).values.tobytes() == made.values.tobytes()
+
+
+def test_a_spike_is_told_as_what_it_is() -> None:
+    values = 20 * np.sin(np.arange(200) / 20)
+    values[100:103] += 80
+    with pytest.warns(UserWarning, match=r"A.Xrotation is beyond its limits by 3[01]\.\d at 1.00 s: a spike"):
+        made = mc.limit(signal(values), {CHANNEL: (None, 30)})
+    assert made.values.max() <= 30 + 1e-6
 
 
 def test_it_is_told_what_was_done(motion: mc.Motion) -> None:

@@ -90,6 +90,7 @@ def test_wrong_words_are_one_line_and_write_nothing(files: Path, capsys: pytest.
         (["bands", a, "-o", out, "--gains", "9=0"], "there is no band 9: a clip of 120 frames has bands 0 to 5"),
         (["bands", a, "-o", a], "is the file that is read"),
         (["waveshape", a, "-o", out, "--soft", "5:9"], "a soft limit is NAME=LOW:HIGH"),
+        (["waveshape", a, "-o", out], "waveshape takes --soft NAME=LOW:HIGH or --map"),
         (["waveshape", a, "-o", out, "--map", f"{ARM}=0:1"], "a map has two pairs or more"),
         (["limit", a, "-o", out, "--limit", f"{ARM}=9:5"], "a limit is LOW:HIGH, the lower first"),
         (["limit", a, "-o", out, "--limit", "LeftArm=5:9"], "no channel or angle 'LeftArm'. Did you mean 'LeftArm."),

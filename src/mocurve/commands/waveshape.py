@@ -7,6 +7,7 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from ..edit import waveshape as verb
+from ..errors import OptionError
 from ..formats import read
 from ._edits import Edited, Lossless, Output, check_files, finish
 from ._options import Json, Profile, Source, with_options_of
@@ -52,6 +53,8 @@ def waveshape(
       mocurve waveshape jump.bvh -o less.bvh --map Hips.Yposition=15:15.5,17:17,20:18
     """
     check_files(output, file)
+    if not soft and not map:
+        raise OptionError("waveshape takes --soft NAME=LOW:HIGH or --map NAME=OLD:NEW,OLD:NEW, or both")
     made = verb.waveshape(read(file), soft, map, **options)
     rows = made.history[-1]["measured"]
     finish(

@@ -30,12 +30,11 @@ def bounded(values: np.ndarray, low: float, high: float, half: int, inside: floa
     and what is then still beyond is cut off.
     """
     made = values
-    middle = 0.5 * (low + high) if high - low < np.inf else -np.inf
     for _ in range(PASSES):
         if not over(made, low, high).any():
             return made
-        made = _below(made, high - inside, over(made, -np.inf, high) > 0, half, middle)
-        made = -_below(-made, -low - inside, over(made, low, np.inf) > 0, half, -middle)
+        made = _below(made, high - inside, over(made, -np.inf, high) > 0, half, low)
+        made = -_below(-made, -low - inside, over(made, low, np.inf) > 0, half, -high)
     return np.where(over(made, low, high) > 0, np.clip(made, low, high), made)
 
 
@@ -44,14 +43,14 @@ def runs(beyond: np.ndarray) -> int:
     return int(np.sum(beyond[1:] & ~beyond[:-1]) + beyond[:1].sum())
 
 
-def _below(values: np.ndarray, limit: float, beyond: np.ndarray, half: int, middle: float) -> np.ndarray:
-    """Values (F,) brought below a limit. Those on the other side of `middle` stay, that they may not leave there."""
+def _below(values: np.ndarray, limit: float, beyond: np.ndarray, half: int, other: float) -> np.ndarray:
+    """Values (F,) brought below a limit; less those that are near the other one, that they may not leave there."""
     if not beyond.any():
         return values
     largest = maximum_filter1d(np.where(beyond, values - limit, 0.0), 2 * half + 1, mode="nearest")
     place = np.arange(-half, half + 1) / (half + 1.0)
     kernel = (1.0 - place**2) ** 2
     by = correlate1d(largest, kernel / kernel.sum(), mode="nearest")
-    if np.isfinite(middle) and limit > middle:
-        by *= smooth(np.clip((values - middle) / (limit - middle), 0.0, 1.0))
+    if np.isfinite(other) and limit > other:
+        by *= smooth(np.clip((values - other) / (limit - other), 0.0, 1.0))
     return np.where(by > 0, np.minimum(values - by, limit), values)

@@ -1,8 +1,8 @@
 """What a joint may do: angles of it that have a least and a largest value, read from its rotations and put back.
 
-Each kind has `names` of its angles, `low` and `high` (n,) in degrees, `angles(values)` (F, n), continuous in time, and
-`put(values, before, after, frames)`, which writes changed angles at some frames into the channels. An angle is put back
-exactly, whatever the others are.
+Each kind has `names` of its angles, `low` and `high` (n,) in degrees, `angles(values)` (F, n), of each frame for
+itself, and `put(values, before, after, frames)`, which writes changed angles at some frames into the channels. An
+angle is put back exactly, whatever the others are.
 """
 
 from __future__ import annotations
@@ -85,20 +85,10 @@ class Eulers(OfJoint):
 
     def read(self, wxyz: np.ndarray) -> np.ndarray:
         own = rotation.mul(rotation.mul(rotation.inv(self.axes), wxyz), self.axes)
-        angles = (
-            rotation.unroll_euler(rotation.to_euler(own, self.turns), self.turns)
-            if len(own)
-            else np.zeros((0, len(self.turns)))
-        )
-        ways = [angles]
-        if len(self.turns) == 3:
-            other = angles + 180.0
-            other[:, 1] = 180.0 - angles[:, 1]
-            ways.append(other)
         middle = 0.5 * (np.maximum(self.low, -180.0) + np.minimum(self.high, 180.0))
-        ways = [way - 360.0 * np.rint(np.median(way - middle, axis=0) / 360.0) for way in ways] if len(own) else ways
-        over = [np.maximum(np.maximum(way - self.high, self.low - way), 0.0).sum() for way in ways]
-        return ways[int(np.argmin(over))]
+        ways = _ways(own, self.turns, middle)
+        over = np.maximum(np.maximum(ways - self.high, self.low - ways), 0.0).sum(axis=-1)
+        return ways[np.argmin(over, axis=0), np.arange(len(own))]
 
     def moved(self, wxyz: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarray:
         was, now = (rotation.from_euler(angles, self.turns) for angles in (before, after))
@@ -122,8 +112,8 @@ class Hinge(OfJoint):
         below = rotation.rotate(wxyz, self.tip)
         across = np.cross(self.axis, self.bone)
         ahead = self.bone - (self.bone @ self.axis) * self.axis
-        angle = np.arctan2(below @ across, below @ ahead)  # both seen along the axis
-        return np.degrees(np.unwrap(angle))[:, None]
+        angle = np.degrees(np.arctan2(below @ across, below @ ahead))  # both seen along the axis
+        return np.where(angle < -90.0, angle + 360.0, angle)[:, None]  # no knee passes there
 
     def moved(self, wxyz: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarray:
         return rotation.mul(rotation.exp(np.radians(after - before) * self.axis), wxyz)
@@ -149,14 +139,14 @@ class Ball(OfJoint):
         swing = np.arctan2(np.linalg.norm(np.cross(self.centre, limb), axis=-1), limb @ self.centre)
         zero = rotation.rotate(_arc(self.centre, limb), self.zero)
         twist = np.arctan2((limb * np.cross(zero, hinge)).sum(axis=-1), (zero * hinge).sum(axis=-1))
-        return np.degrees(np.stack([swing, np.unwrap(twist)], axis=1))
+        return np.degrees(np.stack([swing, twist], axis=1))
 
     def moved(self, wxyz: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarray:
         swung, twisted = np.radians(after - before).T
         limb = rotation.rotate(wxyz, self.limb)
         about = np.cross(self.centre, limb)
         size = np.linalg.norm(about, axis=-1, keepdims=True)
-        about = about / np.where(size < 1e-12, 1.0, size)
+        about = np.where(size < 1e-9, self.zero, about / np.maximum(size, 1e-9))  # right opposite any way is as good
         near = smooth(np.clip(before[:, 0] / self.high[0], 0.0, 1.0))  # at the middle no way leads back to it
         made = rotation.mul(rotation.exp((swung * near)[:, None] * about), wxyz)
         return rotation.mul(rotation.exp(twisted[:, None] * rotation.rotate(made, self.limb)), made)
@@ -164,15 +154,9 @@ class Ball(OfJoint):
 
 def nearest_euler(wxyz: np.ndarray, order: str, near: np.ndarray) -> np.ndarray:
     """Euler angles (F, n) of rotations (F, 4), of all that say the same those nearest to the angles `near` (F, n)."""
-    angles = rotation.to_euler(wxyz, order)
-    ways = [angles]
-    if len(order) == 3 and order[1] not in (order[0], order[2]):
-        other = angles + 180.0
-        other[:, 1] = 180.0 - angles[:, 1]
-        ways.append(other)
-    ways = [way + 360.0 * np.rint((near - way) / 360.0) for way in ways]
-    off = np.stack([np.abs(way - near).max(axis=-1, initial=0.0) for way in ways])
-    return np.stack(ways)[np.argmin(off, axis=0), np.arange(len(angles))]
+    ways = _ways(wxyz, order, near)
+    off = np.abs(ways - near).max(axis=-1, initial=0.0)
+    return ways[np.argmin(off, axis=0), np.arange(len(near))]
 
 
 def parse(given: Any, what: str) -> dict[str, End]:
@@ -202,6 +186,17 @@ def parse(given: Any, what: str) -> dict[str, End]:
             )
         found[str(name)] = (low, high)
     return found
+
+
+def _ways(wxyz: np.ndarray, order: str, near: np.ndarray) -> np.ndarray:
+    """(W, F, n) the Euler angles that say rotations (F, 4), whole turns away from `near` taken out; one way or two."""
+    angles = rotation.to_euler(wxyz, order)
+    ways = [angles]
+    if len(order) == 3 and order[1] not in (order[0], order[2]):
+        other = angles + 180.0
+        other[:, 1] = 180.0 - angles[:, 1]
+        ways.append(other)
+    return np.stack([way + 360.0 * np.rint((near - way) / 360.0) for way in ways])
 
 
 def _arc(start: np.ndarray, ends: np.ndarray) -> np.ndarray:

@@ -151,13 +151,15 @@ def _filtered(motion: Motion, joints: np.ndarray, gains: np.ndarray) -> tuple[Mo
         counts[0] += motion.frames
     rotates = skeleton.rotation_channels
     alone = np.setdiff1d(np.flatnonzero(joints[skeleton.channel_joints]), [c for _, own, _ in free for c in own])
-    for kind, columns in enumerate((alone[rotates[alone]], alone[~rotates[alone]])):
-        smooth = np.unwrap(values[:, columns], period=360.0, axis=0) if kind == 0 else values[:, columns]
-        made, found = _bank.shaped(smooth, gains)
-        changed = np.flatnonzero((made != smooth).any(axis=0))
-        values[:, columns[changed]] = made[:, changed]
+    for column in alone:  # one by one: all bands of all channels of a long clip would not fit into memory
+        kind, own = (
+            (0, np.unwrap(values[:, [column]], period=360.0, axis=0)) if rotates[column] else (1, values[:, [column]])
+        )
+        made, found = _bank.shaped(own, gains)
+        if (made != own).any():
+            values[:, column] = made[:, 0]
         squares[:, kind] += (found**2).sum(axis=(1, 2))
-        counts[kind] += made.size
+        counts[kind] += motion.frames
     result = replace(motion, values=values, report=None)
     turning = kinematics.rotations(result)
     for joint, track in turned.items():

@@ -4,7 +4,7 @@ motion warp, as Sudarsky and House 1998 do it)."""
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -22,6 +22,7 @@ from ._ranges import End, Limit, OfChannel, parse
 
 Limits = Mapping[str, End] | Sequence[str] | str
 PASSES = 8
+SPIKE, BRIEF = 20.0, 0.05  # degrees and seconds: so far beyond for so short a time is no motion
 CHANGED = 1e-9  # degrees or units
 INSIDE = 1e-6  # degrees further than to a limit, where channels are computed from angles: files round
 
@@ -70,7 +71,7 @@ def limit(clip: Clip, limits: Limits | None = None, *, only: str | Sequence[str]
     only
         Joints that are looked at, * stands for anything: *Leg.
     support
-        How long before and after a run of violations the clip may change, seconds.
+        How long before and after a run of violations the clip may change, seconds; at least two frames.
 
     At the worst frame of a run what is added is as large as the violation; elsewhere no smaller than there is need. It
     is smooth up to its acceleration, and frames outside of the support stay to the last digit. Afterwards no frame is
@@ -89,6 +90,12 @@ def limit(clip: Clip, limits: Limits | None = None, *, only: str | Sequence[str]
     found, source, lost = sought(own, asked, only)
     made = _bounded(clip, own, found, support)
     rows = _measured(clip, own, made, found)
+    spike = next(_spikes(own, found), None)
+    if spike is not None:
+        warnings.warn(f"{spike}: a spike, which takes its neighbours along; denoise the clip first", stacklevel=2)
+    left = [row.angle for row in rows if row.after > _envelope.LEAST]
+    if left:
+        warnings.warn(f"{', '.join(left[:3])}: still beyond its limits, which its channels cannot say", stacklevel=2)
     if source == _anatomy.SOURCE and any(row.runs for row in rows):
         warnings.warn(f"the limits are {source}, not those of this body: limits (--limit) says others", stacklevel=2)
     step = {"verb": "limit", "limits": asked, "only": only if isinstance(only, str) else list(only), "support": support}
@@ -108,7 +115,7 @@ def _bounded(clip: Clip, own: Motion, limits: list[Limit], support: float) -> Cl
         made = _key_limits.bounded(clip, ends, support)
         if made is not None:
             return made
-    half = max(1, int(0.5 * support / own.frame_time))
+    half = max(1, int(min(0.5 * support / own.frame_time, own.frames)))
     values = np.array(own.values, order="F")
     for _ in range(PASSES):
         beyond = [kind for kind in limits if beyond_of(kind, kind.angles(values)).any()]
@@ -158,6 +165,19 @@ def _measured(clip: Clip, own: Motion, made: Clip, limits: list[Limit]) -> list[
             )
             rows.append(row)
     return rows
+
+
+def _spikes(own: Motion, limits: list[Limit]) -> Iterator[str]:
+    """Where an angle is far beyond its limits for a moment, in words."""
+    for kind in limits:
+        beyond = beyond_of(kind, kind.angles(own.values))
+        for name, angle in zip(kind.names, beyond.T, strict=True):
+            edges = np.flatnonzero(np.diff(np.concatenate([[False], angle > 0, [False]])))
+            for first, end in edges.reshape(-1, 2).tolist():
+                inside = first > 0 and end < len(angle)
+                most = angle[first:end].max()
+                if inside and most > SPIKE and (end - first) * own.frame_time < BRIEF:
+                    yield f"{name} is beyond its limits by {most:.3g} at {first * own.frame_time:.2f} s"
 
 
 def _summed(rows: Sequence[Limited], own: Motion, made: Clip) -> dict[str, Any]:

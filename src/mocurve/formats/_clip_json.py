@@ -8,7 +8,7 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from ..errors import FileError, MocurveError, OptionError
+from ..errors import FileError, Mismatch, MocurveError, OptionError
 from ..keyed import KeyedMotion
 from ..skeleton import JointLimits, Skeleton
 from ..spline import SplineMotion
@@ -48,12 +48,17 @@ def limits_row(limits: JointLimits) -> dict[str, Any]:
 
 
 def limits_of(joint: int, row: Any) -> JointLimits:
-    """The same from what such a row says; MocurveError, TypeError or KeyError where it is none."""
-    low, high = (
-        np.array([end if x is None else x for x in row[name]], np.float64)
-        for name, end in (("low", -np.inf), ("high", np.inf))
-    )
-    return JointLimits(joint, np.array(row["axes"], np.float64), str(row["order"]), low, high)
+    """The same from what such a row says; MocurveError where it is none."""
+    try:
+        ends = {"low": -np.inf, "high": np.inf}
+        low, high = ([end if x is None else float(x) for x in row[name]] for name, end in ends.items())
+        return JointLimits(
+            joint, np.array([float(x) for x in row["axes"]]), str(row["order"]), np.array(low), np.array(high)
+        )
+    except MocurveError:
+        raise
+    except (TypeError, KeyError, ValueError, OverflowError) as error:
+        raise Mismatch(f"no limits of a joint: {type(error).__name__}: {error}") from error
 
 
 def rows(objects: list[dict[str, Any]]) -> str:
@@ -148,7 +153,7 @@ class Reader:
     def limits(self, joint: int, row: Any) -> JointLimits:
         try:
             return limits_of(joint, row)
-        except (MocurveError, TypeError, KeyError, ValueError) as error:
+        except MocurveError as error:
             raise FileError(f"joints[{joint}].limits: {error}", self.path) from error
 
     def report(self, data: Any) -> Any:
