@@ -51,7 +51,7 @@ def test_a_clip_within_its_limits_comes_back_to_the_last_bit(motion: mc.Motion) 
 FRACTIONS = st.floats(0.0, 1.0)
 
 
-@pytest.mark.filterwarnings("ignore:.*: a spike")
+@pytest.mark.filterwarnings("ignore:.* a spike")
 @given(st.integers(0, 1000), FRACTIONS, FRACTIONS, st.floats(0.005, 3.0))
 def test_no_sample_is_beyond_and_a_second_time_changes_nothing(seed: int, a: float, b: float, support: float) -> None:
     dice = np.random.default_rng(seed)
