@@ -83,6 +83,10 @@ def test_joints_that_are_not_named_come_back_to_the_last_digit(motion: mc.Motion
 
 
 # -- what a band is ----------------------------------------------------------------------------------
+def test_the_highest_frequency_of_a_clip_is_in_its_finest_band() -> None:
+    assert mc.bands(wave(9.0), {"50Hz": 0}).history[-1]["measured"][0]["gain"] == 0
+
+
 @pytest.mark.parametrize("band", [0, 1, 2, 3])
 def test_a_swing_is_found_in_the_band_that_has_its_frequency_and_takes_its_gain(band: int) -> None:
     edges = _bank.edges(6, 1 / FPS)

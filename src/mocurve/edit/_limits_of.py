@@ -48,6 +48,7 @@ def beyond_of(kind: Limit, angles: np.ndarray) -> np.ndarray:
 def _given(motion: Motion, asked: Mapping[str, End]) -> list[Limit]:
     channels = motion.skeleton.channel_names
     angles: list[Limit] = []
+    lost: list[str] = []
     found: dict[str, Limit] = {}
     for name, (low, high) in asked.items():
         if name in channels:
@@ -59,7 +60,9 @@ def _given(motion: Motion, asked: Mapping[str, End]) -> list[Limit]:
             if name == channel or fnmatchcase(channel, name)
         }
         if not fitting:
-            angles = angles or [*_anatomy.of_people(motion)[0], *_of_file(motion)]
+            if not angles:
+                angles, lost = _anatomy.of_people(motion)
+                angles = [*angles, *_of_file(motion)]
             fitting = {
                 angle: _alone(kind, place, *ends)
                 for kind in angles
@@ -67,6 +70,9 @@ def _given(motion: Motion, asked: Mapping[str, End]) -> list[Limit]:
                 if name == angle or fnmatchcase(angle, name)
             }
         if not fitting:
+            why = [line for line in lost if line.startswith(f"{name.rpartition('.')[0]}: ")]
+            if why:
+                raise OptionError(f"{name} cannot be limited: {why[0]}")
             raise UnknownName("channel or angle", name, (*(a for kind in angles for a in kind.names), *channels))
         for angle, kind in fitting.items():
             if angle in found and name == angle:

@@ -21,6 +21,7 @@ from ._pair import complete, recorded, tell_sampled
 from ._turns import free_joints
 
 Gains = Mapping[int | str, float] | Sequence[float] | Sequence[str] | str
+LARGEST = np.finfo(np.float64).max
 HERTZ = re.compile(r"\s*([0-9.eE+-]+)\s*hz\s*", re.IGNORECASE)
 
 
@@ -128,7 +129,7 @@ def _resolved(asked: Mapping[str, float], count: int, motion: Motion) -> np.ndar
     given: dict[int, str] = {}
     for name, gain in asked.items():
         hertz = HERTZ.fullmatch(name)
-        band = int(np.searchsorted(-edges, -float(hertz[1]), "left")) - 1 if hertz else int(name)
+        band = int(np.searchsorted(-edges, -float(hertz[1]), "right")) - 1 if hertz else int(name)
         if not 0 <= band < count:
             low = f", {edges[-1]:.3g} to {edges[0]:.3g} Hz" if count else ""
             raise OptionError(f"there is no band {name}: {there}{low}")
@@ -158,10 +159,11 @@ def _filtered(motion: Motion, joints: np.ndarray, gains: np.ndarray) -> tuple[Mo
         made, found = _bank.shaped(own, gains)
         if (made != own).any():
             values[:, column] = made[:, 0]
-        squares[:, kind] += (found**2).sum(axis=(1, 2))
+        with np.errstate(over="ignore"):
+            squares[:, kind] += (found**2).sum(axis=(1, 2))
         counts[kind] += motion.frames
     result = replace(motion, values=values, report=None)
     turning = kinematics.rotations(result)
     for joint, track in turned.items():
         turning[:, joint] = track
-    return kinematics.with_rotations(result, turning), np.sqrt(squares / np.maximum(counts, 1.0))
+    return kinematics.with_rotations(result, turning), np.sqrt(np.minimum(squares, LARGEST) / np.maximum(counts, 1.0))
