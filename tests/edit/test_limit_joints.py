@@ -192,7 +192,7 @@ def test_what_is_not_limited_is_told() -> None:
     lost = mc.limit(stiff).history[-1]["measured"]["not_limited"]
     assert lost[0] == "LeftLeg: bends too little in this clip to tell about which axis"
     assert any(line.startswith("LeftUpLeg: ") for line in lost)
-    with pytest.raises(OptionError, match="LeftLeg.flexion cannot be limited: LeftLeg: bends too little in this clip"):
+    with pytest.raises(OptionError, match=r"LeftLeg.flexion cannot be limited: LeftLeg: bends too little in this clip"):
         mc.limit(stiff, {"LeftLeg.flexion": (0, 90)})
     loose = person(knee=15 + 60 * np.sin(np.arange(200) / 9))
     assert "LeftLeg: bends now one way, now another: no hinge" in mc.limit(loose).history[-1]["measured"]["not_limited"]
