@@ -334,3 +334,15 @@ def test_a_file_with_broken_limits_is_refused(tmp_path: Path) -> None:
 def test_apart_is_nothing_where_nothing_was_to_be_done(jump: Path) -> None:
     clip = mc.read(jump)
     assert apart(mc.limit(clip), clip) < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("part", "ahead", "aside"),  # degrees that a hanging limb is raised ahead, then turned to its own side
+    [("knee", 120, 0), ("knee", -30, 0), ("elbow", 180, 0), ("elbow", -60, 0), ("elbow", 90, -40)],
+)
+def test_the_cones_hold_what_is_normal_and_no_more_than_the_allowance(part: str, ahead: float, aside: float) -> None:
+    middle, wide = _anatomy.CONES[part]
+    up, out = np.radians([ahead, aside])
+    limb = np.array([np.sin(up) * np.sin(out), -np.cos(up), np.sin(up) * np.cos(out)])
+    away = np.degrees(np.arccos(limb @ np.array(middle) / np.linalg.norm(middle)))
+    assert away == pytest.approx(wide - _anatomy.ALLOWANCE, abs=0.2)
