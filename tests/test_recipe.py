@@ -48,6 +48,12 @@ EACH: dict[str, list[Made]] = {
         lambda a, b: mc.warp(a, [0.5, 0.7], {"LeftArm.Zrotation": [30, None], "Hips.Yposition": [None, 2]}),
         lambda a, b: mc.warp(a, 0.5, pose=b[20:21], only="*Arm"),
     ],
+    "bands": [lambda a, b: mc.bands(a, {"0": 0, "2Hz": 1.5}, only="*Arm")],
+    "waveshape": [lambda a, b: mc.waveshape(a, soft={"LeftArm.Zrotation": (-80, 40)})],
+    "limit": [
+        lambda a, b: mc.limit(a, {"LeftArm.Zrotation": (-80, None), "LeftLeg.flexion": (20, 100)}),
+        lambda a, b: mc.limit(a),
+    ],
     "retime": [lambda a, b: mc.retime(a, {0.5: 0.6, 0.8: 1.0})],
     "loop": [lambda a, b: mc.loop(a, start=0.2, end=1.0, cycles=2, close="cubic")],
     "join": [lambda a, b: mc.join(a, b, seconds=0.2)],

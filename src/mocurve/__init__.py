@@ -44,6 +44,9 @@ _HOME = {
     "loop": "edit.loop",
     "join": "edit.join",
     "register": "edit.register",
+    "bands": "edit.bands",
+    "waveshape": "edit.waveshape",
+    "limit": "edit.limit",
     "render": "draw",
     "run": "recipe",
 }

@@ -16,4 +16,7 @@ VERBS = {
     "loop": "loop",
     "join": "join",
     "register": "register",
+    "bands": "bands",
+    "waveshape": "waveshape",
+    "limit": "limit",
 }
