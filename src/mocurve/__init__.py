@@ -35,6 +35,7 @@ _HOME = {
     "compare": "measure",
     "blend": "edit.blend",
     "mix": "edit.mix",
+    "interpolate": "edit.interpolate",
     "difference": "edit.difference",
     "add": "edit.add",
     "scale": "edit.scale",

@@ -7,6 +7,7 @@ before it is asked for.
 VERBS = {
     "blend": "blend",
     "mix": "mix",
+    "interpolate": "interpolate",
     "difference": "difference",
     "add": "add",
     "scale": "scale",

@@ -8,6 +8,15 @@ import numpy as np
 
 from ..kinematics import world
 from ..motion import Motion
+from ._pair import onto
+
+
+def fitted(first: Motion, motion: Motion) -> tuple[Motion, np.ndarray]:
+    """The motion on the body and floor of another one, and which channels (C,) it had; joints that it does not have
+    hold still as in the other's first frame."""
+    held = replace(first, values=np.repeat(first.values[:1], motion.frames, axis=0), report=None)
+    made, had = onto(held, motion)
+    return scaled(replace(made, frame_time=motion.frame_time), *size_of(first, motion, made)), had
 
 
 def size_of(a: Motion, b: Motion, fitted: Motion) -> tuple[float, float]:

@@ -35,6 +35,7 @@ class Registration:
     unit:             of the distances: "cm", or "units" of the file where nobody knows how long these are.
     distance:         of the poses that are matched, mean over the cheapest way.
     even_distance:    the same where the clip is only stretched evenly to the other's length.
+    usual_distance:   the same of any two moments.
     cost:             of the way, in the file's units: the sum of its distances.
     """
 
@@ -44,6 +45,7 @@ class Registration:
     unit: str
     distance: float
     even_distance: float
+    usual_distance: float
     cost: float
 
     def __str__(self) -> str:
@@ -116,6 +118,7 @@ def matched(own: Motion, other: Motion, slope: int = 3, band: float | None = Non
         unit="cm" if length else "units",
         distance=(length or 1.0) * distance,
         even_distance=(length or 1.0) * even_distance,
+        usual_distance=(length or 1.0) * float(distances.mean()),
         cost=cost,
     )
 
