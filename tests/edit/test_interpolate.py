@@ -1,4 +1,4 @@
-"""interpolate, multitarget: clips themselves at the ends, and between them poses, timing and ways that belong together."""
+"""interpolate, multitarget: clips themselves at the ends; between them poses, timing and ways that belong together."""
 
 from __future__ import annotations
 
@@ -56,7 +56,11 @@ def limping(frames: int = 180) -> Motion:
 @pytest.fixture
 def family() -> list[Motion]:
     """Three cycles of walks: straight, limping and slower, turning and quicker."""
-    return [walk(200), mc.retime(limping(200), [(1.5, 1.9), (199 * STEP, 3.9)]), mc.retime(walk(200, 0.5), [(3.3, 2.9)])]
+    return [
+        walk(200),
+        mc.retime(limping(200), [(1.5, 1.9), (199 * STEP, 3.9)]),
+        mc.retime(walk(200, 0.5), [(3.3, 2.9)]),
+    ]
 
 
 # -- laws ----------------------------------------------------------------------------------------------
@@ -100,7 +104,9 @@ def test_a_warped_copy_gives_the_same_poses_with_the_mean_timing(weight: float) 
     expected = mc.retime(clip, mean)
     frames = min(made.frames, expected.frames)
     assert abs(made.frames - expected.frames) <= 1
-    assert np.linalg.norm(world(made[:frames]) - world(expected[:frames]), axis=-1).max() < 2.0  # cm; it goes 120 a cycle
+    assert (
+        np.linalg.norm(world(made[:frames]) - world(expected[:frames]), axis=-1).max() < 2.0
+    )  # cm; it goes 120 a cycle
 
 
 def test_the_order_of_the_clips_does_not_matter(family: list[Motion]) -> None:
@@ -259,14 +265,13 @@ def test_the_history_runs_again(family: list[Motion]) -> None:
 @pytest.mark.parametrize("weight", [0.25, 0.5, 0.75])
 def test_planted_feet_go_no_faster_than_in_the_clips(weight: float, clips: Path) -> None:
     walks = [mc.read(clips / "cmu" / f"cmu_{name}.bvh") for name in ("12_01_walk", "02_01_walk_blender")]
-    walks = [walks[0][300:453], walks[1][100:233]]  # a cycle of each
+    walks = [walks[0][44:198], walks[1][91:224]]  # a cycle of each, from the same pose on
     with warnings.catch_warnings(action="ignore"):  # other bones
         found = measured(mc.interpolate(walks, [1.0 - weight, weight]))
-        mixed = measured(mc.interpolate([mc.mix(walks, [1.0 - weight, weight])]))
+    own = [clip["foot_speed"] for clip in found.clips]
     assert found.foot_speed is not None
-    assert found.foot_speed < 1.2 * max(clip["foot_speed"] or 0.0 for clip in found.clips)
-    assert found.acceleration < 1.2
-    assert mixed.duration == pytest.approx(found.duration, abs=0.02)
+    assert found.foot_speed < max(speed for speed in own if speed is not None)
+    assert found.acceleration < 1.0
 
 
 # -- refusals ------------------------------------------------------------------------------------------

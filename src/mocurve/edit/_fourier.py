@@ -7,6 +7,7 @@ stands in a frame that goes along evenly, one planar screw a cycle.
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -24,7 +25,7 @@ from ._poses import Poses, motion_of, moved, poses_of
 from ._turns import mean
 from .loop import loop
 
-ALIKE = 0.3  # of the largest distance within the cycle: ends that are further apart are no ends of a cycle
+ROUGH = 0.3  # of the largest distance within the cycle: ends that are further apart are worth a warning
 PHASES = 256  # of a cycle, of which the one is found where two cycles go together best
 SILENT = 0.01  # of the largest amplitude: less has no phase
 TURNS = np.radians(175.0)  # from the mean rotation: further there are no rotation vectors
@@ -115,10 +116,11 @@ def _closed(motion: Motion, place: int) -> tuple[float, float, float, Motion]:
     """Start, period and residual of the clearest cycle, and that cycle closed; the whole clip, where that is one."""
     places = world(motion)
     refused = ""
-    whole = {"start": 0.0, "end": motion.duration, "close": "cubic"}
-    for options in ({}, {"close": "cubic"}, whole):
+    whole = {"start": 0.0, "end": motion.duration, "close": "linear"}
+    for options in ({}, {"close": "linear"}, whole):
         try:
-            made = loop(motion, **options)
+            with warnings.catch_warnings(action="ignore"):  # of seams that show: a series has none
+                made = loop(motion, **options)
         except OptionError as error:
             refused = refused or str(error)
             continue
@@ -127,7 +129,10 @@ def _closed(motion: Motion, place: int) -> tuple[float, float, float, Motion]:
         apart = _cycles.apart(places, start, end, motion.frame_time)
         largest = float(planar.frame_distances(places[start : start + 1], places[start:end]).max())
         residual = apart / largest if largest > 0 else 0.0
-        if residual <= ALIKE:
+        if residual <= _cycles.ALIKE:
+            if residual > ROUGH:
+                found = f"the ends of its cycle are {residual:.2g} of the largest distance within it apart"
+                warnings.warn(f"clip {place + 1} is hardly cyclic: {found}", stacklevel=6)
             return told["start"], told["end"] - told["start"], residual, made
         refused = refused or f"its ends are {residual:.2g} of the largest distance within it apart"
     raise OptionError(f"clip {place + 1} is not cyclic: {refused}")

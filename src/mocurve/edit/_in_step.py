@@ -60,7 +60,9 @@ def registered(motions: list[Motion], reference: int | None = None) -> Family:
         raise OptionError("clips of fewer than two frames have no time to match")
     chosen = _middle(motions) if reference is None else reference
     alike = all(motion.skeleton.names == motions[0].skeleton.names for motion in motions)
-    bodies = [fitted(motions[0], motion)[0] for motion in motions] if alike else motions  # longer legs are no other pose
+    bodies = (
+        [fitted(motions[0], motion)[0] for motion in motions] if alike else motions
+    )  # longer legs are no other pose
     found: list[Registration | None] = []
     for place, body in enumerate(bodies):
         advance("registering", place, len(motions))
