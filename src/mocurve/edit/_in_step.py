@@ -161,30 +161,21 @@ def _directions(bodies: Sequence[Motion], reference: int, root: int) -> np.ndarr
     """(N, F) radians by which each body has to be turned to face as the reference does, without whole turns between
     frames; 0 where the root cannot be turned.
 
-    The bodies are compared by their joints and by the axes of their root, so that one that stands thin as a line has a
-    direction too.
+    What is compared are the axes of their roots, brought together on the ground in the sense of least squares: limbs
+    swing differently, and what lies or stands on its head has a direction too.
     """
     skeleton = bodies[0].skeleton
     if root not in [joint for joint, _, _ in free_joints(skeleton)]:
         return np.zeros((len(bodies), bodies[0].frames))
-    clouds = [_cloud(body, root) for body in bodies]
+    axes = [rotation.rotate(kinematics.rotations(body)[:, root, None], np.eye(3)) for body in bodies]  # (F, 3, 3)
     half = min(max(1, round(AROUND / bodies[0].frame_time)), max(1, bodies[0].frames // 2))
     angles = []
-    for cloud in clouds:
-        to, of = clouds[reference], cloud
+    for of in axes:
+        to = axes[reference]
         along = np.einsum("fj,fj->f", to[..., 0], of[..., 0]) + np.einsum("fj,fj->f", to[..., 2], of[..., 2])
         across = np.einsum("fj,fj->f", to[..., 0], of[..., 2]) - np.einsum("fj,fj->f", to[..., 2], of[..., 0])
         angles.append(np.unwrap(np.arctan2(_averaged(across, half), _averaged(along, half))))
     return np.stack(angles)
-
-
-def _cloud(body: Motion, root: int) -> np.ndarray:
-    """(F, P, 3) joints about their middle, and the root's axes as long as the joints are spread."""
-    places = kinematics.world(body)[:, body.skeleton.below(root)]
-    places = places - places.mean(axis=1, keepdims=True)
-    spread = float(np.sqrt((places**2).sum(axis=-1).mean()))
-    axes = rotation.rotate(kinematics.rotations(body)[:, root, None], (spread or 1.0) * np.eye(3))
-    return np.concatenate([places, axes, -axes], axis=1)
 
 
 def _averaged(values: np.ndarray, half: int) -> np.ndarray:
