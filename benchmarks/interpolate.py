@@ -1,6 +1,6 @@
 """Interpolation of captured walks and runs: laws, planted feet, roughness, and what lies between known clips.
 
-    python interpolate.py
+    python interpolate.py [--picture ../docs/pictures/interpolate.png]
 
 Clips are cut to whole cycles that begin in the same pose. The peer is `mix`, the weighted mean without registration, in
 the same run; feet count where they rest in all clips at the moments that are mixed. A known clip in between: each walk,
@@ -11,10 +11,14 @@ from __future__ import annotations
 
 import time
 import warnings
+from argparse import ArgumentParser
 from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 from clips import folder
+from PIL import Image
 
 import mocurve as mc
 from mocurve.edit import _fourier
@@ -166,8 +170,31 @@ def bent(clip: mc.Motion, part: float) -> mc.Motion:
     return mc.retime(clip, pairs)
 
 
+def picture(path: str) -> None:
+    """Half a cycle of a walk, of a run, and of three gaits between, one below the other."""
+    motions = [whole(name) for name in PAIRS[-1]]
+    rows = []
+    with TemporaryDirectory() as scratch:
+        for weight in (0.0, *WEIGHTS, 1.0):
+            made = mc.interpolate(motions, [1.0 - weight, weight], method="fourier")
+            sheet = Path(scratch) / f"{weight}.png"
+            mc.render(made, sheet, view="side", width=560)
+            with Image.open(sheet) as drawn:
+                rows.append(drawn.crop((0, 0, drawn.width, drawn.height // 2)))
+    page = Image.new("RGB", (rows[0].width, sum(row.height for row in rows)), "white")
+    for place, row in enumerate(rows):
+        page.paste(row, (0, place * row.height))
+    page.quantize(64).save(path, optimize=True)
+
+
 def main() -> None:
+    parser = ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--picture", help="draw a walk, a run and what lies between, and measure nothing")
+    path = parser.parse_args().picture
     warnings.simplefilter("ignore")  # bones of other lengths, no frame rate in Acclaim files
+    if path is not None:
+        picture(path)
+        return
     laws()
     in_step_against_mix()
     references()

@@ -21,7 +21,7 @@ from ._weights import Rule, Weight, constant, parse, resolve, told
 Weights = str | Sequence[Weight]
 Places = str | Sequence[str] | Sequence[float] | Sequence[Sequence[float]]
 MOST = 10.0  # of a clip: shares beyond say nothing about motion any more
-SINGULAR = 1e-10
+SINGULAR, ROUNDING = 1e-10, 1e-13
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,6 +109,7 @@ def cardinal(places: np.ndarray, at: np.ndarray) -> np.ndarray:
     away = np.linalg.norm(there[:, None] - own, axis=-1)
     shares = (linear + _radial(away / nearest) @ np.linalg.solve(around, left)).T
     met = away == 0.0
+    shares = np.where(np.abs(shares) < ROUNDING, 0.0, shares)
     return np.where(met.any(axis=1), met.T.astype(float), shares)
 
 
