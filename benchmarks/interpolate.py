@@ -180,7 +180,7 @@ def picture(path: str) -> None:
             sheet = Path(scratch) / f"{weight}.png"
             mc.render(made, sheet, view="side", width=560)
             with Image.open(sheet) as drawn:
-                rows.append(drawn.crop((0, 0, drawn.width, drawn.height // 2)))
+                rows.append(drawn.crop((0, 0, drawn.width, drawn.height // 2 + 8)))
     page = Image.new("RGB", (rows[0].width, sum(row.height for row in rows)), "white")
     for place, row in enumerate(rows):
         page.paste(row, (0, place * row.height))

@@ -122,7 +122,7 @@ def _closed(motion: Motion, place: int) -> tuple[float, float, float, Motion]:
             with warnings.catch_warnings(action="ignore"):  # of seams that show: a series has none
                 made = loop(motion, **options)
         except OptionError as error:
-            refused = refused or str(error)
+            refused = refused or str(error).split(";")[0]  # what follows are options of loop
             continue
         told = made.history[-1]["measured"]
         start, end = (round(told[name] / motion.frame_time) for name in ("start", "end"))

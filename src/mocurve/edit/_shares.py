@@ -42,23 +42,27 @@ class Shares:
 
     def at(self, times: np.ndarray, skeleton: Skeleton) -> np.ndarray:
         """(N, F, J) shares that sum to 1, at times (F,), seconds of the first clip."""
-        given = np.stack([resolve(rules, skeleton, times, 0.0) for rules in self.rules])
-        if self.places is not None:
-            shares = np.repeat(cardinal(self.places, given[:, :, 0].T)[:, :, None], given.shape[2], axis=2)
-        else:
-            total = given.sum(axis=0)
-            low = np.argwhere(~(total > 0))
-            if len(low):
-                frame, joint = low[0]
-                where = "" if self.constant else f" at {times[frame]:.4g} s"
-                name = f" of {skeleton.names[joint]!r}" if np.ptp(total[frame]) else ""
-                raise OptionError(f"the weights{name} add up to {total[frame, joint]:g}{where}, and not to more than 0")
-            shares = given / total
-        if np.abs(shares).max(initial=0.0) > MOST:
+        with np.errstate(over="ignore", invalid="ignore"):  # huge numbers are refused below
+            shares = self._shares(times, skeleton)
+        if not np.abs(shares).max(initial=0.0) <= MOST:
             raise OptionError(
                 f"a clip would count {np.abs(shares).max():.4g} times, more than {MOST:g}: that is no motion"
             )
         return shares
+
+    def _shares(self, times: np.ndarray, skeleton: Skeleton) -> np.ndarray:
+        given = np.stack([resolve(rules, skeleton, times, 0.0) for rules in self.rules])
+        if self.places is not None:
+            return np.repeat(cardinal(self.places, given[:, :, 0].T)[:, :, None], given.shape[2], axis=2)
+        total = given.sum(axis=0)
+        odd = np.argwhere(~((total > 0) & np.isfinite(total)))
+        if len(odd):
+            frame, joint = odd[0]
+            where = "" if self.constant else f" at {times[frame]:.4g} s"
+            name = f" of {skeleton.names[joint]!r}" if (total[frame] != total[frame, joint]).any() else ""
+            told = f"the weights{name} add up to {total[frame, joint]:g}{where}"
+            raise OptionError(f"{told}, and not to a number above 0")
+        return given / total
 
     def told(self) -> dict[str, Any]:
         """The options as a step of a history can say them."""
