@@ -102,7 +102,7 @@ def cardinal(places: np.ndarray, at: np.ndarray) -> np.ndarray:
     own, there = (places - middle) / size, (at - middle) / size
     if len(own) == 1:
         return np.ones((1, len(at)))
-    solve = np.linalg.pinv(own)  # (D, N) linear parts, from values less their mean
+    solve = np.linalg.pinv(own, rcond=SINGULAR)  # (D, N) linear parts, from values less their mean
     linear = 1.0 / len(own) + there @ solve
     left = np.eye(len(own)) - 1.0 / len(own) - own @ solve  # what the linear part leaves of each example
     apart = np.linalg.norm(own[:, None] - own, axis=-1)
