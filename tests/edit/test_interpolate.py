@@ -240,6 +240,13 @@ def test_bodies_rates_and_orders_may_differ_by_name(family: list[Motion]) -> Non
     assert made.duration == pytest.approx(0.5 * (first.duration + renamed.duration), abs=STEP)
 
 
+def test_roots_belong_together_whatever_they_are_called(family: list[Motion]) -> None:
+    first, other = family[:2]
+    renamed = replace(other, skeleton=replace(other.skeleton, names=("Pelvis", *other.skeleton.names[1:])))
+    made = mc.interpolate([first, renamed], [0.3, 0.7], match="names")
+    assert apart(made, mc.interpolate([first, other], [0.3, 0.7])) < 1e-9
+
+
 def test_on_other_bones_the_feet_stay_on_the_floor() -> None:
     first = walk(200)
     taller = replace(first.skeleton, offsets=1.3 * first.skeleton.offsets)

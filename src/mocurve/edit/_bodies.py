@@ -19,6 +19,21 @@ def fitted(first: Motion, motion: Motion) -> tuple[Motion, np.ndarray]:
     return scaled(replace(made, frame_time=motion.frame_time), *size_of(first, motion, made)), had
 
 
+def main_root(motion: Motion) -> int:
+    """The root that most joints hang on."""
+    roots = np.flatnonzero(motion.skeleton.parents < 0).tolist()
+    return max(roots, key=lambda root: int(motion.skeleton.below(root).sum()))
+
+
+def rooted(first: Motion, motion: Motion) -> Motion:
+    """The motion, its root called as that of the first, if no other joint of either is called so: root, hip, Hips."""
+    own, other = (clip.skeleton.names[main_root(clip)] for clip in (motion, first))
+    if own in first.skeleton.names or other in motion.skeleton.names:
+        return motion
+    names = tuple(other if name == own else name for name in motion.skeleton.names)
+    return replace(motion, skeleton=replace(motion.skeleton, names=names))
+
+
 def size_of(a: Motion, b: Motion, fitted: Motion) -> tuple[float, float]:
     """How much longer the legs of `a` are than those of `b`, and how much higher its floor is than b's, so scaled.
 

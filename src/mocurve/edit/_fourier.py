@@ -18,8 +18,8 @@ from ..kinematics import world
 from ..motion import Motion
 from ..progress import advance
 from . import _cycles
-from ._bodies import fitted
-from ._in_step import LONGEST, main_root
+from ._bodies import fitted, main_root
+from ._in_step import LONGEST
 from ._means import heaviest_of
 from ._poses import Poses, motion_of, moved, poses_of
 from ._turns import mean

@@ -16,7 +16,7 @@ from .. import kinematics, planar, rotation
 from ..errors import OptionError
 from ..motion import Motion, frame_count
 from ..progress import advance
-from ._bodies import fitted, scaled, size_of
+from ._bodies import fitted, main_root, scaled, size_of
 from ._means import heaviest_of, mean_of_rotations
 from ._pair import at_times, onto
 from ._poses import motion_of, moved, poses_of
@@ -135,12 +135,6 @@ def on_first(motions: list[Motion], times: np.ndarray) -> list[Motion]:
         there, _ = onto(own, at_times(motion, at, first.frame_time))
         bodies.append(scaled(there, *size_of(first, motion, fitted(first, motion)[0])))
     return bodies
-
-
-def main_root(motion: Motion) -> int:
-    """The root that most joints hang on."""
-    roots = np.flatnonzero(motion.skeleton.parents < 0).tolist()
-    return max(roots, key=lambda root: int(motion.skeleton.below(root).sum()))
 
 
 # -- in call order ---------------------------------------------------------------------------------

@@ -20,6 +20,7 @@ from ..kinematics import world
 from ..motion import Clip, Motion
 from ..skeleton import Skeleton
 from . import _fourier, _in_step
+from ._bodies import main_root, rooted
 from ._means import heaviest_of
 from ._pair import check, complete, tell_sampled
 from ._seams import bends, centimetres
@@ -113,7 +114,8 @@ def interpolate(
     harmonics
         With fourier, how many waves a cycle is made of, 1 to 64.
     match
-        exact: all have the same joints and channels. names: joints are found by name, others move as in the first.
+        exact: all have the same joints and channels. names: joints are found by name, roots whatever they are called,
+        others move as in the first.
 
     Body and frame time are the first's. The result begins where the heaviest clip begins, and a clip that has all the
     weight comes back to the last digit (with fourier: as its series). Other joints' weights change only these joints;
@@ -129,6 +131,8 @@ def interpolate(
         check(clips[0].skeleton, other.skeleton, match)
     tell_sampled(clips, "motions are interpolated frame by frame")
     motions = [complete(clip.sample()) for clip in clips]
+    if match == "names":
+        motions = [rooted(motions[0], motion) for motion in motions]
     made, found = _cyclic(motions, shares, cycles, harmonics) if method == "fourier" else _once(motions, shares)
     options = {"method": method, "cycles": cycles, "harmonics": harmonics, "match": match}
     step = {"verb": "interpolate", **shares.told(), **options, "measured": found.to_json()}
@@ -200,7 +204,7 @@ def _once(motions: list[Motion], shares: Shares) -> tuple[Motion, Interpolation]
     else:
         made = _in_step.on_first(motions, times)[whole]
     told = [_registration(found) for found in family.found]
-    share = when.shares[:, :, _in_step.main_root(first)].mean(axis=1)
+    share = when.shares[:, :, main_root(first)].mean(axis=1)
     return made, _measured(made, motions, times, share, told, front=int(front), reference=family.reference)
 
 
@@ -214,7 +218,7 @@ def _cyclic(motions: list[Motion], shares: Shares, cycles: int, harmonics: int) 
         {"start": one.start, "period": one.period, "residual": one.residual, "error": one.error * _length(motion)[1]}
         for one, motion in zip(found, motions, strict=True)
     ]
-    share = each[:, _in_step.main_root(first)]
+    share = each[:, main_root(first)]
     return made, _measured(made, motions, times, share, told, period=period)
 
 
