@@ -23,6 +23,7 @@ from PIL import Image
 import mocurve as mc
 from mocurve.edit import _fourier
 from mocurve.edit._in_step import in_step, moments, registered
+from mocurve.edit._poses import motion_of, moved, poses_of
 from mocurve.edit._seams import centimetres
 from mocurve.edit._shares import shares_of
 from mocurve.edit.interpolate import Interpolation, _measured
@@ -39,6 +40,7 @@ PAIRS = [("12_01 walk", "02_01 walk"), ("02_01.amc walk", "16_15 walk"), ("16_15
 WEIGHTS = (0.25, 0.5, 0.75)
 WARP = [(0.3, 0.4), (0.6, 0.62), (0.85, 1.0)]  # old and new parts of the clip
 WIDER = 1.4
+ASIDE = np.array([0.5 * np.pi, 0.0, 0.0])  # the second clip goes another way: to the others that is the same
 
 
 def whole(name: str) -> mc.Motion:
@@ -67,19 +69,20 @@ def laws() -> None:
     a, b = whole("12_01 walk")[1:], whole("02_01 walk")  # the first has a T-pose in front
     values = np.array(a.values)
     values[:, [0, 2]] += [40.0, -25.0]
-    moved = replace(a, values=values)
+    elsewhere = replace(a, values=values)
     clips = [cut("12_01 walk"), wider(cut("12_01 walk"), WIDER), bent(cut("12_01 walk"), 1.0)]
     first = mc.interpolate(clips, [0.5, 0.3, 0.2])
     again = mc.interpolate([clips[2], *clips[:2]], [0.2, 0.5, 0.3])
     print("law                            worst")
     print(f"weight 1, numbers that differ  {int((mc.interpolate([a, b], [1, 0]).values != a.values).sum())}")
     print(f"a clip and itself, cm          {apart(mc.interpolate([a, a, a], [1, 2, 3]), a):.1e}")
-    print(f"a clip and itself moved, cm    {apart(mc.interpolate([a, moved], [0.7, 0.3]), a):.1e}")
+    print(f"a clip and itself moved, cm    {apart(mc.interpolate([a, elsewhere], [0.7, 0.3]), a):.1e}")
     print(f"another order, cm              {apart(again, first):.1e}")
 
 
 def in_step_against_mix() -> None:
-    print(f"\n{'feet cm/s, acceleration':34}{'weight':>7}{'own':>12}{'mix':>12}{'multitarget':>13}{'fourier':>13}")
+    ways = "".join(f"{way:>13}" for way in ("mix, aside", "mix", "multitarget", "fourier"))
+    print(f"\n{'feet cm/s, acceleration':34}{'weight':>7}{'own':>12}{ways}")
     for names in PAIRS:
         motions = [cut(name) for name in names]
         wholes = [whole(name) for name in names]
@@ -87,13 +90,19 @@ def in_step_against_mix() -> None:
             weights = [1.0 - weight, weight]
             found = numbers(mc.interpolate(motions, weights))
             series = numbers(mc.interpolate(wholes, weights, method="fourier", cycles=2))
-            mixed = mc.mix(motions, weights)
-            along = np.linspace(0.0, 1.0, mixed.frames)
-            times = np.stack([along * motion.duration for motion in motions])
-            unaware = _measured(mixed, motions, times, np.array(weights), [{}, {}])
+            turned = [motions[0], motion_of(moved(poses_of(motions[1]), motions[1].skeleton, ASIDE), motions[1])]
+            unaware = [mixed(clips, weights) for clips in (turned, motions)]
             own = "/".join(f"{clip['foot_speed'] or 0.0:.1f}" for clip in found.clips)
-            rows = [f"{row.foot_speed or 0:.1f}, {row.acceleration:.2f}" for row in (unaware, found, series)]
-            print(f"{' + '.join(names):34}{weight:7.2f}{own:>12}{rows[0]:>12}{rows[1]:>13}{rows[2]:>13}", flush=True)
+            rows = [f"{row.foot_speed or 0:.1f}, {row.acceleration:.2f}" for row in (*unaware, found, series)]
+            print(f"{' + '.join(names):34}{weight:7.2f}{own:>12}" + "".join(f"{row:>13}" for row in rows), flush=True)
+
+
+def mixed(motions: list[mc.Motion], weights: list[float]) -> Interpolation:
+    """The same numbers of the mean of clips that are only stretched."""
+    made = mc.mix(motions, weights)
+    along = np.linspace(0.0, 1.0, made.frames)
+    times = np.stack([along * motion.duration for motion in motions])
+    return _measured(made, motions, times, np.array(weights), [{}, {}])
 
 
 def references() -> None:
