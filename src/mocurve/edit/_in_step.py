@@ -59,10 +59,9 @@ def registered(motions: list[Motion], reference: int | None = None) -> Family:
     if min(motion.frames for motion in motions) < 2:
         raise OptionError("clips of fewer than two frames have no time to match")
     chosen = _middle(motions) if reference is None else reference
-    alike = all(motion.skeleton.names == motions[0].skeleton.names for motion in motions)
-    bodies = (
-        [fitted(motions[0], motion)[0] for motion in motions] if alike else motions
-    )  # longer legs are no other pose
+    bodies = motions
+    if all(motion.skeleton.names == motions[0].skeleton.names for motion in motions):
+        bodies = [fitted(motions[0], motion)[0] for motion in motions]  # longer legs are no other pose
     found: list[Registration | None] = []
     for place, body in enumerate(bodies):
         advance("registering", place, len(motions))
@@ -79,29 +78,12 @@ def moments(family: Family, shares: Shares, lead: float = 0.0) -> Moments:
     lead: seconds of the first clip before its first frame here.
     """
     first = family.motions[0]
-    root = main_root(first)
-    maps = family.maps
-    length = family.motions[family.reference].duration
-    at = np.unique(np.clip(np.concatenate([one.old for one in maps]), 0.0, length))
-    at = at[np.concatenate([[True], np.diff(at) > 1e-9 * length])]
-    if not shares.constant:
-        at = np.linspace(0.0, length, max(2, FINE * round(length / first.frame_time) + 1))
-    along = shares.at(lead + maps[0].at(at), first.skeleton)[:, :, root]
-    rate = sum(share * one.speeds(at) for share, one in zip(along, maps, strict=True))
-    slow = np.linspace(0.0, length, 2000)
-    least = sum(np.interp(slow, at, share) * one.speeds(slow) for share, one in zip(along, maps, strict=True))
-    if not (min(float(rate.min()), float(least.min())) > 0):
-        raise OptionError("with these weights time would run backwards: take weights nearer to those of a mean")
-    if shares.constant:
-        new = sum(share * one.at(at) for share, one in zip(along, maps, strict=True))
-    else:
-        new = np.concatenate([[0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(at))])
-    bent = TimeMap(at, new, rate)
-    count = frame_count(float(new[-1]), first.frame_time)
+    bent = _mean_time(family, shares, lead)
+    count = frame_count(float(bent.new[-1]), first.frame_time)
     if count > LONGEST:
         raise OptionError(f"the result would have {count} frames, more than {LONGEST}")
-    reference = np.minimum(bent.back(np.arange(count) * first.frame_time), length)
-    times = np.stack([one.at(reference) for one in maps])
+    reference = np.minimum(bent.back(np.arange(count) * first.frame_time), bent.old[-1])
+    times = np.stack([one.at(reference) for one in family.maps])
     return Moments(times, shares.at(lead + times[0], first.skeleton))
 
 
@@ -144,6 +126,32 @@ def _middle(motions: Sequence[Motion]) -> int:
     """The motion of the middle length; of equally long ones it does not depend on their order."""
     order = sorted(range(len(motions)), key=lambda place: (motions[place].duration, motions[place].values.tobytes()))
     return order[len(order) // 2]
+
+
+def _mean_time(family: Family, shares: Shares, lead: float) -> TimeMap:
+    """From the reference's seconds to those of the result.
+
+    Of shares that do not change the sum of the maps, itself a cubic between all their pairs; else the sum of their
+    speeds, added up over fine steps.
+    """
+    first, maps = family.motions[0], family.maps
+    length = family.motions[family.reference].duration
+
+    def speed(at: np.ndarray) -> np.ndarray:
+        return (share_of_time(at) * [one.speeds(at) for one in maps]).sum(axis=0)
+
+    def share_of_time(at: np.ndarray) -> np.ndarray:
+        return shares.at(lead + maps[0].at(at), first.skeleton)[:, :, main_root(first)]
+
+    at = np.unique(np.clip(np.concatenate([one.old for one in maps]), 0.0, length))
+    at = at[np.concatenate([[True], np.diff(at) > 1e-9 * length])]
+    fine = np.linspace(0.0, length, max(2, FINE * round(length / first.frame_time) + 1))
+    if not min(speed(at).min(), speed(fine).min()) > 0:
+        raise OptionError("with these weights time would run backwards: take weights nearer to those of a mean")
+    if not shares.constant:
+        steps = 0.5 * (speed(fine)[1:] + speed(fine)[:-1]) * np.diff(fine)
+        return TimeMap(fine, np.concatenate([[0.0], np.cumsum(steps)]), speed(fine))
+    return TimeMap(at, (share_of_time(at) * [one.at(at) for one in maps]).sum(axis=0), speed(at))
 
 
 def _map(pairs: list[list[float]]) -> TimeMap:
