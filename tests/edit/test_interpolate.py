@@ -288,7 +288,7 @@ def test_planted_feet_go_no_faster_than_in_the_clips(weight: float, clips: Path)
         ({"weights": [1, 2, 3]}, "weights: 3 given, for 2 clips"),
         ({"weights": [0, 0]}, "the weights add up to 0, and not to a number above 0"),
         ({"weights": [1, -1]}, "the weights add up to 0, and not to a number above 0"),
-        ({"weights": ["0:1,0.5:0", 0]}, "the weights add up to 0 at 0.5 s"),
+        ({"weights": ["0:1,0.5:0", 0]}, "the weights add up to 0 at 0.5"),
         ({"weights": [1, {"Head": -1}]}, "the weights of 'Head' add up to 0, and not"),
         ({"weights": [100, -99]}, "a clip would count 100 times, more than 10"),
         ({"weights": [1e308, 1e308]}, "the weights add up to inf"),
