@@ -23,10 +23,10 @@ from PIL import Image
 import mocurve as mc
 from mocurve.edit import _fourier
 from mocurve.edit._in_step import in_step, moments, registered
+from mocurve.edit._interpolated import Interpolation, measured
 from mocurve.edit._poses import motion_of, moved, poses_of
 from mocurve.edit._seams import centimetres
 from mocurve.edit._shares import shares_of
-from mocurve.edit.interpolate import Interpolation, _measured
 from mocurve.kinematics import world
 
 CLIPS = {  # name: (file, its skeleton file, frames of whole cycles)
@@ -102,7 +102,7 @@ def mixed(motions: list[mc.Motion], weights: list[float]) -> Interpolation:
     made = mc.mix(motions, weights)
     along = np.linspace(0.0, 1.0, made.frames)
     times = np.stack([along * motion.duration for motion in motions])
-    return _measured(made, motions, times, np.array(weights), [{}, {}])
+    return measured(made, motions, times, np.array(weights), [{}, {}])
 
 
 def references() -> None:
