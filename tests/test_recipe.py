@@ -41,6 +41,10 @@ EACH: dict[str, list[Made]] = {
     "trim": [lambda a, b: mc.trim(a, start=0.5, end=1.0), lambda a, b: a[20:50]],
     "blend": [lambda a, b: mc.blend(a, b, {"*Arm": "0:0,1:1"}), lambda a, b: mc.blend(a, mc.blend(b, a, 0.5), 0.3)],
     "mix": [lambda a, b: mc.mix([a, b, a], [1, 1, 2])],
+    "interpolate": [
+        lambda a, b: mc.interpolate([a, mc.retime(a, {0.5: 0.6})], [0.3, 0.7]),
+        lambda a, b: mc.interpolate([a, mc.retime(a, {0.5: 0.6})], places=[0.0, 1.0], at=[0.4]),
+    ],
     "difference": [lambda a, b: mc.difference(a, b)],
     "add": [lambda a, b: mc.add(mc.difference(a, b), b)],
     "scale": [lambda a, b: mc.scale(mc.difference(a, b), {"*Arm": 2})],

@@ -36,6 +36,7 @@ _HOME = {
     "trim": "edit.trim",
     "blend": "edit.blend",
     "mix": "edit.mix",
+    "interpolate": "edit.interpolate",
     "difference": "edit.difference",
     "add": "edit.add",
     "scale": "edit.scale",

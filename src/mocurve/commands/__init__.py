@@ -6,6 +6,7 @@ COMMANDS = {
     "clean": "Jitter, spikes and dropouts of a capture go; kicks and heel strikes stay. Nothing has to be tuned.",
     "trim": "A piece of a clip, exactly as it was.",
     "blend": "Between two clips, or the mean of several: joints turn the shorter way, without flips.",
+    "interpolate": "Between motions of one kind, brought in step: a walk and a run, and what lies between or beyond.",
     "difference": "What is to be added to one clip to get another: a displacement, itself a clip.",
     "add": "A displacement put onto a clip.",
     "scale": "More or less of a displacement.",

@@ -8,6 +8,7 @@ VERBS = {
     "trim": "trim",
     "blend": "blend",
     "mix": "mix",
+    "interpolate": "interpolate",
     "difference": "difference",
     "add": "add",
     "scale": "scale",
