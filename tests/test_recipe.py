@@ -44,12 +44,22 @@ EACH: dict[str, list[Made]] = {
     "trim": [lambda a, b: mc.trim(a, start=0.5, end=1.0), lambda a, b: a[20:50]],
     "blend": [lambda a, b: mc.blend(a, b, {"*Arm": "0:0,1:1"}), lambda a, b: mc.blend(a, mc.blend(b, a, 0.5), 0.3)],
     "mix": [lambda a, b: mc.mix([a, b, a], [1, 1, 2])],
+    "interpolate": [
+        lambda a, b: mc.interpolate([a, mc.retime(a, {0.5: 0.6})], [0.3, 0.7]),
+        lambda a, b: mc.interpolate([a, mc.retime(a, {0.5: 0.6})], places=[0.0, 1.0], at=[0.4]),
+    ],
     "difference": [lambda a, b: mc.difference(a, b)],
     "add": [lambda a, b: mc.add(mc.difference(a, b), b)],
     "scale": [lambda a, b: mc.scale(mc.difference(a, b), {"*Arm": 2})],
     "warp": [
         lambda a, b: mc.warp(a, [0.5, 0.7], {"LeftArm.Zrotation": [30, None], "Hips.Yposition": [None, 2]}),
         lambda a, b: mc.warp(a, 0.5, pose=b[20:21], only="*Arm"),
+    ],
+    "bands": [lambda a, b: mc.bands(a, {"0": 0, "2Hz": 1.5}, only="*Arm")],
+    "waveshape": [lambda a, b: mc.waveshape(a, soft={"LeftArm.Zrotation": (-80, 40)})],
+    "limit": [
+        lambda a, b: mc.limit(a, {"LeftArm.Zrotation": (-80, None), "LeftLeg.flexion": (20, 100)}),
+        lambda a, b: mc.limit(a),
     ],
     "retime": [lambda a, b: mc.retime(a, {0.5: 0.6, 0.8: 1.0})],
     "loop": [lambda a, b: mc.loop(a, start=0.2, end=1.0, cycles=2, close="cubic")],

@@ -33,7 +33,8 @@ LARGER = 3  # a still is drawn this much larger, a moving picture:
 LARGER_GIF = 2
 SHEET = (4, 2)  # poses across and down
 ACROSS = 6  # of a sheet with more than 8, at most
-MOST_POSES = 600  # on a sheet
+MOST_ON_SHEET = 600
+MOST_POSES = 200  # in one picture
 MOST_GIF_FPS = 50  # players take a delay under 2/100 s for 10/100 s
 MOST_GIF_PICTURES = 1000
 COLOURS = 128  # of a GIF
@@ -51,8 +52,9 @@ def render(
     view: View = "three-quarter",
     fps: float = 25.0,
     frame: int | None = None,
+    poses: int | None = None,
 ) -> None:
-    """Draw the moving figure: .png shows one pose or a sheet of poses along the way, .gif plays the clip.
+    """Draw the moving figure: .png shows one pose, poses along the way or a sheet of them, .gif plays the clip.
 
     A second clip is drawn over the first, in green over red; it may have another skeleton or frame rate.
 
@@ -60,6 +62,7 @@ def render(
     view: front (looking against Z, or along Y where Z points up), side, top or three-quarter.
     fps: pictures a second of a .gif, at most 50; fewer where the clip has fewer frames or would take over 1000.
     frame: the one frame to show, counted from 0; .png only. Without it: a sheet of eight poses.
+    poses: so many poses in one picture, each at its place on the way; .png only.
 
     OptionError for another extension, an unknown view, a frame that is not there or a clip without frames.
 
@@ -69,12 +72,14 @@ def render(
     kind = path.suffix.lower()
     if kind not in (".png", ".gif"):
         raise OptionError(f"{path.name}: the extension of a picture is .png or .gif, not {kind!r}")
-    _check(clip, kind, width, view, fps, frame)
+    _check(clip, kind, width, view, fps, frame, poses)
     figures = _figures(clip, second)
     if kind == ".gif":
         _write_gif(figures, clip, path, width, view, fps)
         return
-    if frame is not None:
+    if poses is not None:
+        image = _along(figures, clip, width, view, poses)
+    elif frame is not None:
         image = _pose(figures, clip, width, view, frame)
     else:  # poses evenly in time
         evenly = np.linspace(0, clip.frames - 1, SHEET[0] * SHEET[1]).round().astype(int)
@@ -95,10 +100,10 @@ def sheet(
     path = Path(path)
     if path.suffix.lower() != ".png":
         raise OptionError(f"{path.name}: the extension of a sheet is .png, not {path.suffix.lower()!r}")
-    if not 1 <= len(frames) <= MOST_POSES:
-        raise OptionError(f"a sheet shows 1 to {MOST_POSES} poses, not {len(frames)}")
+    if not 1 <= len(frames) <= MOST_ON_SHEET:
+        raise OptionError(f"a sheet shows 1 to {MOST_ON_SHEET} poses, not {len(frames)}")
     for frame in (min(frames), max(frames)):
-        _check(clip, ".png", width, view, MOST_GIF_FPS, int(frame))
+        _check(clip, ".png", width, view, MOST_GIF_FPS, int(frame), None)
     image = _sheet(_figures(clip, None), clip, width, view, np.array(frames, np.int64), numbered=True)
     with replacing(path) as file:
         image.save(file, "PNG", optimize=True)
@@ -107,7 +112,7 @@ def sheet(
 # -- in call order -----------------------------------------------------------------------------------------------------
 
 
-def _check(clip: Clip, kind: str, width: int, view: str, fps: float, frame: int | None) -> None:
+def _check(clip: Clip, kind: str, width: int, view: str, fps: float, frame: int | None, poses: int | None) -> None:
     if view not in get_args(View):
         raise OptionError(f"view is one of {', '.join(get_args(View))}, not {view!r}")
     if not 64 <= width <= 8192:
@@ -118,6 +123,10 @@ def _check(clip: Clip, kind: str, width: int, view: str, fps: float, frame: int 
         raise OptionError("one frame is drawn as .png; a .gif plays them all")
     if not 0 < fps <= MOST_GIF_FPS:
         raise OptionError(f"fps is over 0 and at most {MOST_GIF_FPS}, which is what a .gif can play; not {fps:g}")
+    if poses is not None and (kind == ".gif" or frame is not None):
+        raise OptionError("poses along the way are drawn as .png, and not together with a single frame")
+    if poses is not None and not 1 <= poses <= MOST_POSES:
+        raise OptionError(f"poses is from 1 to {MOST_POSES}, not {poses}")
     if frame is not None and not 0 <= frame < clip.frames:
         raise OptionError(f"there is no frame {frame}: the clip has frames 0 to {clip.frames - 1}")
 
@@ -154,6 +163,22 @@ def _pose(figures: list[scene.Figure], clip: Clip, width: int, view: str, frame:
     for figure in figures:
         scene.draw_figure(image, camera, figure, floor, frame)
     scene.label(image, figures, frame * clip.frame_time, 16 * LARGER)
+    return image.reduce(LARGER)
+
+
+def _along(figures: list[scene.Figure], clip: Clip, width: int, view: str, poses: int) -> Image.Image:
+    """Poses evenly in time, each where it is, and the way of the root over the ground."""
+    frames = np.unique(np.linspace(0, clip.frames - 1, poses).round().astype(int))
+    floor = scene.ground(figures)
+    shown = _shown(figures, np.arange(clip.frames), floor)
+    camera = scene.camera(shown, view, width * LARGER, (0.2, 1.2))
+    image = scene.empty(camera, floor, shown)
+    for figure in figures:
+        scene.draw_trail(image, camera, figure, floor, clip.frames - 1)
+    for frame in frames:
+        for figure in figures:
+            scene.draw_figure(image, camera, figure, floor, frame)
+    scene.label(image, figures, clip.duration, 13 * LARGER)
     return image.reduce(LARGER)
 
 

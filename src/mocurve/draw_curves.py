@@ -64,7 +64,7 @@ def _drawn(
     axes = Axes(box, (float(times[0]), float(times[-1])), (float(shown.min()) - margin, float(shown.max()) + margin))
     image = Image.new("RGB", size, PAPER)
     unit = "degrees" if keyed.skeleton.rotation_channels[column] else "length units"
-    _frame(ImageDraw.Draw(image), axes, letter, f"{channel} ({unit})")
+    frame(ImageDraw.Draw(image), axes, letter, f"{channel} ({unit})")
     thick = max(1, width // 1200)
     left, top, right, bottom = (round(e + s * 7 * thick) for e, s in zip(box, (-1, -1, 1, 1), strict=True))
     bare, draw = image.copy(), ImageDraw.Draw(image)
@@ -106,7 +106,8 @@ class Axes:
         return list(zip(across.tolist(), down.tolist(), strict=True))
 
 
-def _frame(draw: ImageDraw.ImageDraw, axes: Axes, letter: int, title: str) -> None:
+def frame(draw: ImageDraw.ImageDraw, axes: Axes, letter: int, title: str) -> None:
+    """Grid, numbers and a title; `letter` is the height of the letters in pixels."""
     font = ImageFont.load_default(letter)
     left, top, right, bottom = axes.box
     for time in ticks(*axes.span, 10):
@@ -136,6 +137,7 @@ def legend(
     box: tuple[float, float, float, float],
     letter: int,
 ) -> None:
+    """Colours and what they stand for, above the right corner of the box."""
     font = ImageFont.load_default(letter)
     across = box[2]
     for colour, text in reversed(entries):

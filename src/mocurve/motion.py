@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from .measure import Report
 
 History = tuple[dict[str, Any], ...]
+MAX_FRAMES = 100_000_000  # of any clip: eleven days at 100 frames a second
 
 
 class Clip(Protocol):
@@ -46,7 +47,10 @@ def trimmed(start: float, end: float) -> dict[str, Any]:
 
 
 def frame_count(duration: float, frame_time: float) -> int:
-    """How many frames at this frame time lie within the duration (seconds), both ends included."""
+    """How many frames at this frame time lie within the duration (seconds), both ends included; OptionError where they
+    are more than any clip has."""
+    if not duration / frame_time < MAX_FRAMES:
+        raise OptionError(f"{duration:g} s in frames of {frame_time:g} s are more than {MAX_FRAMES:,} frames")
     return int(np.floor(duration / frame_time + 1e-6)) + 1
 
 

@@ -217,6 +217,9 @@ def test_other_wrong_input_is_refused() -> None:
         mc.blend(a, a, mode="rotation")
     with pytest.raises(Mismatch, match="not a clip with none"):
         mc.blend(a, a[:0])
+    for weight in (1e7, 1e300, -100):
+        with pytest.raises(Mismatch, match=r"the clip would last .* s; retime one of the clips first"):
+            mc.blend(a, a[:50], weight)
     with pytest.raises(OptionError, match="2 weights are given for 3 clips"):
         mc.mix([a, a, a], [1, 2])
     with pytest.raises(OptionError, match="from 0 up"):

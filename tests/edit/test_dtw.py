@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mocurve.edit._dtw import LEAST, path, smooth_map
+from mocurve.edit._dtw import path, smooth_map
 
 SIZES = st.integers(1, 9)
 SEEDS = st.integers(0, 2**32 - 1)
@@ -86,12 +86,13 @@ def test_the_band_is_kept() -> None:
     assert not np.isfinite(path(distances, None, 0.1)[0])
 
 
-@given(SEEDS, st.floats(0.3, 3.0), st.floats(0.3, 3.0))
-def test_a_map_rises_and_keeps_its_ends(seed: int, length: float, other: float) -> None:
+@given(SEEDS, st.floats(0.3, 3.0), st.floats(0.3, 3.0), st.integers(1, 5))
+def test_a_map_keeps_its_slope_and_its_ends(seed: int, length: float, other: float, slope: int) -> None:
     moves = np.random.default_rng(seed).random((60, 2)).round()  # also stands for long
     places = np.concatenate([[[0.0, 0.0]], np.cumsum(moves, axis=0) + 1e-9 * np.arange(60)[:, None]])
     old, new = (places / places[-1] * [length, other]).T
-    pairs = smooth_map(old, new, 0.01)
+    pairs = smooth_map(old, new, 0.01, slope)
     rates = np.diff(pairs[:, 1]) / np.diff(pairs[:, 0])
-    assert (rates > 0.5 * LEAST * other / length).all()
+    assert rates.min() > 0.95 * min(1 / (slope + 1), 0.99 * other / length)
+    assert rates.max() < 1.05 * max(slope + 1, 1.01 * other / length)
     np.testing.assert_allclose(pairs[[0, -1]], [[0.0, 0.0], [length, other]], atol=1e-12)

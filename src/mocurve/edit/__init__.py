@@ -8,6 +8,7 @@ VERBS = {
     "trim": "trim",
     "blend": "blend",
     "mix": "mix",
+    "interpolate": "interpolate",
     "difference": "difference",
     "add": "add",
     "scale": "scale",
@@ -16,4 +17,7 @@ VERBS = {
     "loop": "loop",
     "join": "join",
     "register": "register",
+    "bands": "bands",
+    "waveshape": "waveshape",
+    "limit": "limit",
 }

@@ -11,6 +11,7 @@ SHORTEST, LONGEST = 0.3, 4.0  # seconds of a cycle: faster nobody runs, slower i
 COARSE = 30.0  # frames a second of the first search
 AROUND = 0.04  # seconds on either side of a frame that are compared with it
 ALIKE = 0.5  # of the largest distance within the cycle; more is no return
+CLEAR = 0.1  # of it: as near as frames of the first search come where the cycle returns between two of them
 MOVED = 0.02  # of the body's size, the deviation of its joints from their middle; less is standing still
 NEARLY = 1.5  # times the best is as good, where something else is to be had for it
 ROWS = 96  # places of the first search that the second looks at
@@ -37,7 +38,7 @@ def find(places: np.ndarray, frame_time: float, room: int, start: int | None = N
     if len(low) == 0:
         since = "" if start is None else f" after {start * frame_time:g} s"
         raise OptionError(f"no cycle is found: no pose returns{since} that was left in between; say start and end")
-    lag = int(low[np.argmax(best[low] <= NEARLY * best[low].min())])
+    lag = int(low[np.argmax(best[low] <= max(NEARLY * best[low].min(), CLEAR))])
     order = np.argsort(alike[:, lag])[:ROWS]
     near = rows[order[alike[order, lag] <= NEARLY * best[lag]]]
     if start is None:

@@ -11,7 +11,7 @@ from scipy.interpolate import BSpline
 from scipy.optimize import lsq_linear
 
 KNOTS = 0.2  # seconds between the knots of the map
-LEAST = 0.05  # of the even speed: slower the map never gets
+PAIRS = 4  # of a map, from knot to knot
 STIFF = 0.1  # weight of a change of speed from knot to knot, in frames
 
 
@@ -61,11 +61,12 @@ def path(distances: np.ndarray, slope: int | None = None, band: float = np.inf) 
     return cost, _traced(came, state, run, rows, columns) if np.isfinite(cost) else np.zeros((0, 2), np.int64)
 
 
-def smooth_map(old: np.ndarray, new: np.ndarray, step: float) -> np.ndarray:
+def smooth_map(old: np.ndarray, new: np.ndarray, step: float, slope: int) -> np.ndarray:
     """Pairs (K, 2) of a strictly rising map that follows old and new times (P,) of a path, seconds, ends kept.
 
-    A cubic B-spline whose coefficients rise is a rising curve: least squares over their differences, which are bounded
-    from below. step: the longer frame time, in which misses and changes of speed are weighed.
+    The rates of a cubic B-spline lie between those of its coefficients: least squares over these, which are bounded by
+    what a path of this slope can do, slope + 1 frames of one to one of the other. step: the longer frame time, in which
+    misses and changes of speed are weighed.
     """
     start, end = old[0], old[-1]
     count = max(1, round((end - start) / KNOTS))
@@ -81,10 +82,11 @@ def smooth_map(old: np.ndarray, new: np.ndarray, step: float) -> np.ndarray:
     ends = np.full((1, steps), 1e4)  # the last coefficient is where the second clip ends
     matrix = np.concatenate([rising, change, ends])
     wanted = np.concatenate([new - new[0], np.zeros(len(change)), [1e4 * (new[-1] - new[0])]])
-    found = lsq_linear(matrix / step, wanted / step, bounds=(LEAST * even * gaps, np.inf), tol=1e-12).x
+    low, high = min(1.0 / (slope + 1), 0.99 * even), max(slope + 1.0, 1.01 * even)
+    found = lsq_linear(matrix / step, wanted / step, bounds=(low * gaps, high * gaps), tol=1e-12).x
     found *= (new[-1] - new[0]) / found.sum()
     curve = BSpline(knots, new[0] + np.concatenate([[0.0], np.cumsum(found)]), 3)
-    times = np.linspace(start, end, 2 * count + 1)
+    times = np.linspace(start, end, PAIRS * count + 1)
     mapped = curve(times)
     mapped[[0, -1]] = new[[0, -1]]
     return np.stack([times, mapped], axis=1)

@@ -41,7 +41,7 @@ def part(turn: np.ndarray, share: np.ndarray) -> np.ndarray:
 
 
 def mean(turns: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """(F, 4) the weighted mean of turns (N, F, 4) from one rotation to N others; weights (N,) sum to 1.
+    """(F, 4) the weighted mean of turns (N, F, 4) from one rotation to N others; weights (N,) or (N, F) sum to 1.
 
     The mean is where the weighted rotation vectors to all of them cancel; it is found by going there a few times.
     Where a turn is longer than half a turn the mean is that of `part`, one step.
@@ -49,10 +49,11 @@ def mean(turns: np.ndarray, weights: np.ndarray) -> np.ndarray:
     half = np.arctan2(np.linalg.norm(turns[..., 1:], axis=-1), turns[..., 0])
     if 2.0 * half.max(initial=0.0) > LONG:
         return _counted(turns, weights)
-    middle = rotation.exp(np.einsum("n,nfk->fk", weights, _vectors(turns)))
+    weights = np.broadcast_to(weights.reshape(len(turns), -1), turns.shape[:2])
+    middle = rotation.exp(np.einsum("nf,nfk->fk", weights, _vectors(turns)))
     if 2.0 * half.max(initial=0.0) < np.pi:
         for _ in range(MEAN_STEPS):
-            step = np.einsum("n,nfk->fk", weights, rotation.log(rotation.mul(turns, rotation.inv(middle))))
+            step = np.einsum("nf,nfk->fk", weights, rotation.log(rotation.mul(turns, rotation.inv(middle))))
             middle = rotation.mul(rotation.exp(step), middle)
             if np.abs(step).max(initial=0.0) < MEAN_RADIANS:
                 break

@@ -19,6 +19,7 @@ from ..info import first_frame_is_t_pose
 from ..kinematics import rest_height, world
 from ..motion import Clip, Motion, frame_count, unroll
 from . import _cuts
+from ._bodies import scaled, size_of
 from ._pair import at_times, check, complete, onto, tell_sampled
 from ._poses import Poses, mixed, motion_of, moved, poses_of, smooth, strung
 from ._seams import bends, centimetres, steps
@@ -154,23 +155,7 @@ def _fitted(a: Motion, b: Motion, held: int) -> Motion:
     if not min(a.frames, b.frames):
         raise OptionError("a clip without frames cannot be joined")
     fitted, _ = onto(replace(a, values=np.repeat(a.values[[held]], b.frames, axis=0)), b)
-    if len(a.skeleton.names) == len(b.skeleton.names) and np.allclose(a.skeleton.offsets, b.skeleton.offsets):
-        return fitted
-    (floor, _), (own_floor, own_height), (_, height) = (_standing(clip) for clip in (a, b, fitted))
-    scale = height / own_height if own_height > 0 and height > 0 else 1.0
-    moves = ~a.skeleton.rotation_channels & (a.skeleton.parents[a.skeleton.channel_joints] < 0)
-    upright = moves & (a.skeleton.channel_axes == 1)
-    values = np.array(fitted.values, order="F")
-    values[:, moves] *= scale
-    values[:, upright] += floor - scale * own_floor
-    return replace(fitted, values=values)
-
-
-def _standing(motion: Motion) -> tuple[float, float]:
-    """Where the floor is, and how high the root stands above the lowest joint: medians over the frames."""
-    heights = world(motion)[..., 1]
-    lowest = heights.min(axis=1)
-    return float(np.median(lowest)), float(np.median(heights[:, 0] - lowest))
+    return scaled(fitted, *size_of(a, b, fitted))
 
 
 def _cuts_of(a: Motion, b: Motion, count: int, mode: str, at: tuple[int | None, int | None]) -> list[tuple[int, int]]:

@@ -228,22 +228,28 @@ def _of_curves(
     start, end = clip.domain if isinstance(clip, SplineMotion) else (0.0, clip.duration)
     if not end > start:
         raise Mismatch("a clip of one frame has no curves to bend")
-    flat = np.array([start, end])
-    curves = [HermiteCurve(flat, np.zeros(2), np.zeros(2))] * clip.skeleton.channel_count
-    touched = _by_channel(constraints)
-    for channel, (when, wanted) in touched.items():
+    curves = {}
+    for channel, (when, wanted) in _by_channel(constraints).items():
         now = clip.at(when)[:, channel] if isinstance(clip, SplineMotion) else clip.curves[channel].at(when)
-        curves[channel] = _within(bump(when, (wanted - now)[:, None], support, overshoot), start, end)
-    added = KeyedMotion(clip.skeleton, tuple(curves), clip.frame_time, clip.frames)
+        curves[channel] = within(bump(when, (wanted - now)[:, None], support, overshoot), start, end)
+    return added(clip, curves)
+
+
+def added(clip: KeyedMotion | SplineMotion, curves: Mapping[int, HermiteCurve]) -> KeyedMotion | SplineMotion:
+    """The clip with displacements of channels (by index), keys from its start to its end, added; exact."""
+    start, end = clip.domain if isinstance(clip, SplineMotion) else (0.0, clip.duration)
+    nothing = HermiteCurve(np.array([start, end]), np.zeros(2), np.zeros(2))
+    every = tuple(curves.get(channel, nothing) for channel in range(clip.skeleton.channel_count))
+    by = KeyedMotion(clip.skeleton, every, clip.frame_time, clip.frames)
     if isinstance(clip, SplineMotion):
-        base, more = align(clip, of_keys(added))
+        base, more = align(clip, of_keys(by))
         return replace(base, values=base.values + more.values)
     return replace(
-        clip, curves=tuple(_summed(clip, added, c) if c in touched else own for c, own in enumerate(clip.curves))
+        clip, curves=tuple(_summed(clip, by, c) if c in curves else own for c, own in enumerate(clip.curves))
     )
 
 
-def _within(bump: Bump, start: float, end: float) -> HermiteCurve:
+def within(bump: Bump, start: float, end: float) -> HermiteCurve:
     """The displacement cut to a span (seconds), with keys at both its ends."""
     inside = (bump.times > start) & (bump.times < end)
     values, slopes = bump.values[:, 0], bump.slopes[:, 0]

@@ -164,15 +164,15 @@ def _with_pins(wanted: np.ndarray, pins: np.ndarray) -> np.ndarray:
     """Whole frames near the wanted ones (K,), rising, all different, with every pin (P,) among them; first and last are
     pins."""
     keys = len(wanted)
-    # the key that becomes a pin: the nearest, in order, leaving enough keys and frames to either side
+    # the key that becomes a pin: the nearest that leaves the other pins their keys and all keys their frames
+    order = np.arange(len(pins))
+    low = np.maximum(order, keys - 1 - (pins[-1] - pins))
+    high = np.minimum(keys - len(pins) + order, pins)
     owner = np.zeros(len(pins), np.int64)
     for p in range(1, len(pins)):
-        fits = keys - len(pins) + p
-        near = int(np.argmin(np.abs(wanted - pins[p])))
-        owner[p] = keys - 1 if p == len(pins) - 1 else min(max(near, owner[p - 1] + 1), fits)
-        owner[p] = min(owner[p], owner[p - 1] + pins[p] - pins[p - 1])
-    for p in range(len(pins) - 2, 0, -1):
-        owner[p] = max(owner[p], owner[p + 1] - (pins[p + 1] - pins[p]))
+        least = max(low[p], owner[p - 1] + 1)
+        most = min(high[p], owner[p - 1] + pins[p] - pins[p - 1])
+        owner[p] = min(max(int(np.argmin(np.abs(wanted - pins[p]))), least), most)
     frames = np.rint(wanted).astype(np.int64)
     for p in range(len(pins) - 1):
         a, b = owner[p], owner[p + 1]
