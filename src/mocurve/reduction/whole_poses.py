@@ -34,13 +34,14 @@ class Effort(NamedTuple):
     powers: tuple[float, ...]  # that every start is spread with
     moved: int  # of the spread ones, how many are moved on
     again: int  # times the best is spread and moved once more
+    shared: int  # times the error that is left at the end is shared out once more
 
 
 EFFORTS = {
-    "fast": Effort(POWERS[1:], 0, 0),
-    "default": Effort(POWERS, 2, 0),
-    "good": Effort(POWERS, 4, 1),
-    "best": Effort((0.1, *POWERS, 0.75), 10, 3),
+    "fast": Effort(POWERS[1:], 0, 0, 0),
+    "default": Effort(POWERS, 2, 0, 2),
+    "good": Effort(POWERS, 4, 1, 4),
+    "best": Effort((0.1, *POWERS, 0.75), 10, 3, 8),
 }
 
 
@@ -65,7 +66,19 @@ def best_poses(
     progress.advance("moving poses", steps, steps)
     found.sort(key=_worst)
     last = [*found[: max(1, effort.moved)], *(fitted(stage, pinned, one) for one in (*starts, *others))]
-    return min([centred(one) for one in last], key=_worst)
+    best = min([centred(one) for one in last], key=_worst)
+    for power in effort.powers:
+        now = best
+        for _ in range(effort.shared):
+            now = centred(fitted(stage, pinned, _shared_out(now, power)))
+            best = min(best, now, key=_worst)
+    for _ in range(effort.shared):
+        before = best.worst
+        moved(best)
+        best = centred(best)
+        if best.worst > ENOUGH * before:
+            break
+    return best
 
 
 def fewer(best: Inbetweens, quality: str) -> Inbetweens:
