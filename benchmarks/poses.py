@@ -24,9 +24,10 @@ from clips import folder
 
 import mocurve as mc
 from mocurve.kinematics import rest_height
-from mocurve.reduction import CHOOSERS, broken
+from mocurve.reduction import CHOOSERS, broken, optimal, world
 from mocurve.reduction.choices import astray, stances
 from mocurve.reduction.inbetweens import centred, fitted, stage_of
+from mocurve.reduction.problem import problem
 from mocurve.reduction.whole_poses import evenly
 
 CLIPS = {  # frames from, to: a T-pose in front is left out
@@ -156,6 +157,22 @@ def table() -> None:
     print()
 
 
+def tolerances() -> None:
+    """How many poses keep a tolerance in space, feet at a quarter: by the curves alone, and as `reduce` has them."""
+    print("| clip, frames | tolerance | curves alone | reduce | ratio |\n|" + "---|" * 5)
+    ratios = []
+    for name in CLIPS:
+        motion = clip(name)
+        for percent_of_height in (0.2, 1.0):
+            text = f"{percent_of_height:g}%height"
+            asked = problem(motion, [text], "pose", 0.25)
+            alone, _ = world.fit(asked.motion, asked.groups, asked.limits, optimal.solve, True, "default")
+            before, after = len(alone[0].frames), len(_frames(mc.reduce(motion, tolerance=text, align="pose")))
+            ratios.append(after / before)
+            print(f"| {name}, {motion.frames} | {text} | {before} | {after} | {ratios[-1]:.2f} |", flush=True)
+    print(f"mean {geometric_mean(ratios):.3f}, at most {max(ratios):.2f}\n")
+
+
 def _frames(made: mc.KeyedMotion) -> set[int]:
     assert made.report is not None
     return set(made.report.key_frames or ())
@@ -202,19 +219,27 @@ def times(long: bool) -> None:
             subprocess.run([sys.executable, __file__, "--one", method], check=True)
 
 
+PARTS_ALONE = (broken_tangents, thresholds, table, tolerances)
+
+
 def main() -> None:
     asked = ArgumentParser()
     asked.add_argument("--quality", default="default")
     asked.add_argument("--long", action="store_true")
+    asked.add_argument("--only", choices=[work.__name__ for work in PARTS_ALONE], help="one part")
     asked.add_argument("--one", help="one method on 2000 frames, as --long does")
     options = asked.parse_args()
     if options.one:
         one_long(options.one)
         return
+    if options.only:
+        globals()[options.only]()
+        return
     errors(options.quality)
     broken_tangents()
     thresholds()
     table()
+    tolerances()
     times(options.long)
 
 

@@ -17,7 +17,7 @@ from .inbetweens import centred, fitted, given, keys_of, stage_of
 from .keys import Keys
 from .problem import known, numbers
 from .tolerance import Limits
-from .whole_poses import best_poses, evenly, fewer
+from .whole_poses import best_poses, evenly, fewer, moved
 
 CHOOSERS: dict[str, Callable[[Motion, np.ndarray, int], Choices]] = {
     "salient": salient.choose,
@@ -193,6 +193,15 @@ def within_span(motion: Motion, method: str, pinned: np.ndarray, part: float, qu
     found = CHOOSERS[method](motion, pinned, motion.frames)
     choices = Poses(motion, method, found.measure, tuple(found.frames), found.errors)
     return _through(motion, method, pinned, choices.frames(choices.within(part)), quality)
+
+
+def nearer(motion: Motion, pinned: np.ndarray, keys: Keys) -> Keys:
+    """As many whole poses, moved until they leave no more in space than they do now; broken tangents stay."""
+    if len(keys.frames) < 3 or keys.in_slopes is not None:
+        return keys
+    now = given(stage_of(motion), pinned, keys)
+    moved(now)
+    return keys_of(centred(now))
 
 
 def at_every_frame(motion: Motion) -> Keys:

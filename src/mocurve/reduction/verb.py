@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from functools import partial
 from time import perf_counter
 from typing import Any, NamedTuple
 
@@ -18,7 +19,7 @@ from ..motion import Clip, Motion
 from . import dynamic, split, world
 from .bound import lower_bound
 from .keys import Keys
-from .poses import CHOOSERS, Pins, pins, with_fewer, with_number, within_limits, within_span
+from .poses import CHOOSERS, Pins, nearer, pins, with_fewer, with_number, within_limits, within_span
 from .problem import ALIGNMENTS, Problem, curves, held, known, problem, with_pins
 from .tolerance import DEFAULT, OF_NOISE, THRESHOLDS, bounds, parse
 
@@ -128,8 +129,9 @@ def refine(keys: KeyedMotion, original: Clip) -> KeyedMotion:
 
     Without a promise in space the squared error of no channel grows, or its sum over channels that share their times;
     with one, every curve is drawn towards the middle of what the promise leaves it, and the RMS error in space does not
-    grow (channels that share their times stay as they are). A promise that `reduce` made and that holds against this
-    clip still holds. Shared key times stay shared.
+    grow (channels that share their times stay as they are). So many whole poses (`reduce` with keys) are moved to where
+    their largest error in space is less. Pinned keys stay in time. A promise that `reduce` made and that holds
+    against this clip still holds. Shared key times stay shared.
     Mismatch where keys and clip have different skeletons or lengths, or a key lies between two frames.
 
     >>> mc.refine(mc.reduce(walk, method="split"), walk)
@@ -142,10 +144,14 @@ def refine(keys: KeyedMotion, original: Clip) -> KeyedMotion:
     before = _on_frames(keys, asked)
     if asked.motion.frames == 0:
         return keys
-    if asked.limits.joints is None:
-        after = [_polished(*each) for each in zip(before, asked.bands(), strict=True)]
+    pinned = _pinned(keys, made, asked.motion)
+    if "keys" in made:
+        after = [nearer(asked.motion, pinned, one) for one in before]
+    elif asked.limits.joints is None:
+        after = [_polished(*each, pinned) for each in zip(before, asked.bands(), strict=True)]
     else:
-        after = world.polish(asked.motion, asked.groups, asked.limits, before, dynamic.refine_keys)
+        better = partial(dynamic.refine_keys, pinned=pinned)
+        after = world.polish(asked.motion, asked.groups, asked.limits, before, better)
         if _error_in_space(asked, after) > _error_in_space(asked, before):
             after = before
     return _reported(keys, asked, after, [], {"verb": "refine", "with": list(original.history)}, started, made)
@@ -306,12 +312,18 @@ def _on_frames(keys: KeyedMotion, asked: Problem) -> list[Keys]:
     return result
 
 
-def _polished(keys: Keys, band: world.Tube) -> Keys:
+def _pinned(keys: KeyedMotion, made: dict[str, Any], motion: Motion) -> np.ndarray:
+    """(F,) the pins of the reduction that made the keys; where something else was done since they are not known."""
+    last = next((step for step in reversed(keys.history) if step.get("verb") != "refine"), None)
+    return pins(made.get("pin", ()) if last is made else (), motion)
+
+
+def _polished(keys: Keys, band: world.Tube, pinned: np.ndarray | None = None) -> Keys:
     """Inside the band where the keys are inside it now, else without it."""
     samples, half = band
     now = np.array([world.samples_of(keys, member, samples.shape[1]) for member in range(len(samples))])
     inside = bool((np.abs(now - samples) <= half).all()) and bool(np.isfinite(half).all())
-    return dynamic.refine_keys(keys, samples, half if inside else None)
+    return dynamic.refine_keys(keys, samples, half if inside else None, pinned)
 
 
 def _error_in_space(asked: Problem, keys: list[Keys]) -> float:
