@@ -10,7 +10,8 @@ from __future__ import annotations
 from . import dynamic, linear, optimal, split
 from .poses import CHOOSERS, Poses, poses
 from .problem import ALIGNMENTS
-from .verb import Method, reduce, refine
+from .refine import refine
+from .verb import Method, reduce
 
 METHODS = {
     "optimal": Method(optimal.solve, again=True),

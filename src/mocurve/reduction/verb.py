@@ -1,27 +1,24 @@
-"""The verbs: `reduce` finds few keys for a clip, `refine` polishes the keys there are."""
+"""The verb `reduce`: few keys for a clip."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
 from time import perf_counter
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from .. import progress
-from ..errors import Mismatch, OptionError
+from ..errors import OptionError
 from ..keyed import KeyedMotion
-from ..measure import compare
-from ..motion import Clip, Motion
-from . import dynamic, split, world
-from .bound import lower_bound
+from ..motion import Clip
+from . import split, world
 from .keys import Keys
-from .poses import CHOOSERS, Pins, nearer, pins, with_fewer, with_number, within_limits, within_span
-from .problem import ALIGNMENTS, Problem, curves, held, known, problem, with_pins
-from .tolerance import DEFAULT, OF_NOISE, THRESHOLDS, bounds, parse
+from .poses import CHOOSERS, Pins, pins, with_fewer, with_number, within_limits, within_span
+from .problem import ALIGNMENTS, Problem, held, known, problem, with_pins
+from .refine import polished
+from .reported import reported, side_by_side
+from .tolerance import DEFAULT, OF_NOISE, THRESHOLDS, parse
 
 
 class Method(NamedTuple):
@@ -120,41 +117,7 @@ def reduce(
             found = [with_fewer(asked.motion, pinned, asked.limits, kept, quality)]
             tubes = world.ended_with(asked.motion, asked.groups, asked.limits, found)
     found = [with_pins(one, pinned) for one in held(asked, found)]
-    return _reported(clip, asked, found, tubes, step, started)
-
-
-def refine(keys: KeyedMotion, original: Clip) -> KeyedMotion:
-    """The same number of keys, moved in time, value and slope until they follow the clip better: Önder 2007, section
-    3.1, as polish.
-
-    Without a promise in space the squared error of no channel grows, or its sum over channels that share their times;
-    with one, every curve is drawn towards the middle of what the promise leaves it, and the RMS error in space does not
-    grow (channels that share their times stay as they are). So many whole poses (`reduce` with keys) are moved to where
-    their largest error in space is less. Pinned keys stay in time. A promise that `reduce` made and that holds
-    against this clip still holds. Shared key times stay shared.
-    Mismatch where keys and clip have different skeletons or lengths, or a key lies between two frames.
-
-    >>> mc.refine(mc.reduce(walk, method="split"), walk)
-    """
-    started = perf_counter()
-    if not isinstance(keys, KeyedMotion):
-        raise Mismatch(f"refine moves keys, and {keys!r} has none: reduce makes keys of it")
-    made = next((step for step in reversed(keys.history) if "tolerance" in step), {})
-    asked = problem(original, bounds(made.get("tolerance")), made.get("align", "channel"), made.get("feet", 1.0))
-    before = _on_frames(keys, asked)
-    if asked.motion.frames == 0:
-        return keys
-    pinned = _pinned(keys, made, asked.motion)
-    if "keys" in made:
-        after = [nearer(asked.motion, pinned, one) for one in before]
-    elif asked.limits.joints is None:
-        after = [_polished(*each, pinned) for each in zip(before, asked.bands(), strict=True)]
-    else:
-        better = partial(dynamic.refine_keys, pinned=pinned)
-        after = world.polish(asked.motion, asked.groups, asked.limits, before, better)
-        if _error_in_space(asked, after) > _error_in_space(asked, before):
-            after = before
-    return _reported(keys, asked, after, [], {"verb": "refine", "with": list(original.history)}, started, made)
+    return reported(clip, asked, found, tubes, step, started)
 
 
 # -- reduce, in call order -------------------------------------------------------------------------
@@ -209,9 +172,9 @@ def _curves(
     if asked.limits.joints is not None:
         return world.fit(asked.motion, asked.groups, asked.limits, solve, again, quality)
     tubes = asked.bands()
-    keys = _side_by_side(lambda tube: world.group_keys(*tube, solve, quality), tubes, "reducing")
+    keys = side_by_side(lambda tube: world.group_keys(*tube, solve, quality), tubes, "reducing")
     if denoise:  # as near to the clean curve as these keys can be
-        keys = [_polished(*each) for each in zip(held(asked, keys), tubes, strict=True)]
+        keys = [polished(*each) for each in zip(held(asked, keys), tubes, strict=True)]
     return keys, tubes
 
 
@@ -228,105 +191,3 @@ def _whole_poses(
         return [within_span(motion, method, pinned, own, quality)], []
     found = [within_limits(motion, method, pinned, asked.limits)]
     return found, world.ended_with(motion, asked.groups, asked.limits, found)
-
-
-def _side_by_side(work: Callable[[world.Tube], Any], tubes: list[world.Tube], label: str) -> list[Any]:
-    """work(tube) of every tube, one thread a core: the kernels let go of the interpreter."""
-    done = []
-    with ThreadPoolExecutor(world.cores()) as threads:
-        for result in threads.map(work, tubes):
-            done.append(result)
-            progress.advance(label, len(done), len(tubes))
-    return done
-
-
-def _reported(
-    clip: Clip,
-    asked: Problem,
-    keys: list[Keys],
-    tubes: list[world.Tube],
-    step: dict[str, Any],
-    started: float,
-    promised: dict[str, Any] | None = None,
-) -> KeyedMotion:
-    """The keys as a clip that carries what was measured and how it was made. promised: the step that asked for what is
-    to hold, where it is another."""
-    motion = asked.motion
-    history = (*clip.history, step)
-    made = KeyedMotion(motion.skeleton, curves(asked, keys), motion.frame_time, motion.frames, history)
-    bounds = _side_by_side(lambda tube: lower_bound(*tube), tubes, "proving the lower bound")
-    of_channel = {int(k): bound for group, bound in zip(asked.groups, bounds, strict=False) for k in group}
-    report = compare(motion, made)
-    channels = [replace(row, lower_bound=of_channel.get(k)) for k, row in enumerate(report.channels)]
-    asking = step if promised is None else promised
-    told = replace(
-        report,
-        clips=(clip, made),
-        noise=getattr(clip.report, "noise", None) if isinstance(clip, Motion) else None,
-        channels=_with_tolerance(channels, asked.limits.channels),
-        joints=_with_tolerance(report.joints, asked.limits.joints),
-        lower_bound=sum(of_channel.values()) if of_channel else None,
-        seconds=perf_counter() - started,
-        tolerance=", ".join(asking.get("tolerance") or [f"{asking['keys']} keys" if "keys" in asking else "none"]),
-        method=asking.get("method"),
-        align=asking.get("align"),
-        quality=asking.get("quality"),
-    )
-    return replace(made, report=told)
-
-
-def _with_tolerance(rows: Sequence[Any], limits: np.ndarray | None) -> tuple[Any, ...]:
-    """The rows of a report with the tightest limit (N, F) of each, where there is one."""
-    if limits is None:
-        return tuple(rows)
-    tightest = limits.min(axis=1, initial=np.inf)
-    return tuple(
-        replace(row, tolerance=float(limit)) if np.isfinite(limit) else row
-        for row, limit in zip(rows, tightest, strict=False)
-    )
-
-
-# -- refine, in call order -------------------------------------------------------------------------
-
-
-def _on_frames(keys: KeyedMotion, asked: Problem) -> list[Keys]:
-    """The curves as groups of keys on frames."""
-    motion = asked.motion
-    if keys.skeleton.channel_names != motion.skeleton.channel_names or keys.frames != motion.frames:
-        raise Mismatch(f"{keys!r} and {motion!r} are not the same motion: channels or frames differ")
-    step, last = motion.frame_time, max(motion.frames - 1, 0)
-    result = []
-    for group in asked.groups:
-        found = [keys.curves[k] for k in group]
-        frames = np.rint(found[0].times / step).astype(np.int64)
-        name = motion.skeleton.channel_names[group[0]]
-        for curve in found:
-            if len(curve) != len(frames) or (np.abs(curve.times - frames * step) > 1e-6 * step).any():
-                raise Mismatch(f"the keys of {name!r} do not lie on frames, or not on those that it shares with others")
-        if len(frames) > 1 and (frames[0] != 0 or frames[-1] != last):
-            raise Mismatch(f"the keys of {name!r} do not reach from the first frame to the last")
-        values = np.array([curve.values for curve in found])
-        slopes = np.array([curve.slopes for curve in found]) * step
-        broken = any(curve.broken for curve in found)
-        result.append(Keys(frames, values, slopes, np.array([c.in_slopes for c in found]) * step if broken else None))
-    return result
-
-
-def _pinned(keys: KeyedMotion, made: dict[str, Any], motion: Motion) -> np.ndarray:
-    """(F,) the pins of the reduction that made the keys; where something else was done since they are not known."""
-    last = next((step for step in reversed(keys.history) if step.get("verb") != "refine"), None)
-    return pins(made.get("pin", ()) if last is made else (), motion)
-
-
-def _polished(keys: Keys, band: world.Tube, pinned: np.ndarray | None = None) -> Keys:
-    """Inside the band where the keys are inside it now, else without it."""
-    samples, half = band
-    now = np.array([world.samples_of(keys, member, samples.shape[1]) for member in range(len(samples))])
-    inside = bool((np.abs(now - samples) <= half).all()) and bool(np.isfinite(half).all())
-    return dynamic.refine_keys(keys, samples, half if inside else None, pinned)
-
-
-def _error_in_space(asked: Problem, keys: list[Keys]) -> float:
-    motion = asked.motion
-    made = KeyedMotion(motion.skeleton, curves(asked, keys), motion.frame_time, motion.frames)
-    return compare(motion, made).rms_error_world
