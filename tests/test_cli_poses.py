@@ -30,7 +30,7 @@ def test_reduce_makes_so_many_poses_and_tells_their_frames(
     short: Path, capsys: pytest.CaptureFixture[str], method: str
 ) -> None:
     words = ["reduce", "short.bvh", "-o", "out.curves.json", "--method", method, "--align", "pose", "--keys", "8"]
-    assert cli.main([*words, "--pin", "20", "--pin", "0.25s", "--quality", "fast", "--json"]) == 0
+    assert cli.main([*words, "--pin", "20", "0.25s", "--quality", "fast", "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
     assert len(told["key_frames"]) == 8
     assert {0, 20, 30, 59} <= set(told["key_frames"])

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import mocurve as mc
@@ -118,6 +118,17 @@ def test_broken_is_the_best_for_its_curves(brief: Motion, places: Places, astray
         made = mc.reduce(motion, method="broken", keys=keys)
         assert astray(motion, made).max() == pytest.approx(least_of_all(12, keys, cost), rel=1e-6, abs=1e-9)
         np.testing.assert_array_equal(made.sample().values[key_frames(made)], values[key_frames(made)])
+
+
+def test_where_segments_would_be_too_long_salient_poses_stand_in(hop: Motion, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("mocurve.reduction.broken.LONGEST", 10)
+    found, salient = mc.poses(hop, method="broken"), mc.poses(hop)
+    assert [len(way) for way in found.choices] == list(range(found.fewest, hop.frames + 1))
+    assert found.fewest < 9
+    for keys in range(found.fewest, 9):  # 80 frames take at least 9 keys with segments of 10
+        np.testing.assert_array_equal(found.frames(keys), salient.frames(keys))
+    assert np.diff(found.frames(20)).max() <= 10
+    assert key_frames(mc.reduce(hop, method="broken", keys=3)) == salient.frames(3).tolist()
 
 
 # -- every way to choose -----------------------------------------------------------------------------------------------
@@ -349,6 +360,7 @@ def test_a_clip_too_long_for_all_pairs_is_told(method: str) -> None:
         mc.reduce(wandering(1, 5000), keys=9, method=method)
 
 
+@settings(max_examples=40)
 @given(st.data())
 def test_hostile_clips_have_so_many_poses(
     hostile: Callable[..., st.SearchStrategy[Motion]], data: st.DataObject

@@ -28,13 +28,14 @@ Number = Annotated[
 Method = Annotated[
     str | None,
     Parameter(
-        help="How they are chosen: optimal, broken, salient, posture, probe or cluster; docs/reduce.md tells them."
+        help="How they are chosen: optimal, broken, salient, posture, probe or cluster; docs/poses.md tells them."
     ),
 ]
 Pin = Annotated[
     list[str] | None,
     Parameter(
-        help="Where a key has to be: a frame (40), a time (1.2s), or contacts, where a foot begins or ceases to rest."
+        help="Where a key has to be: a frame (40), a time (1.2s), or contacts, where a foot begins or ceases to rest.",
+        consume_multiple=True,
     ),
 ]
 Quality = Annotated[str, Parameter(help="fast, default, good or best: less error for more time.")]

@@ -38,10 +38,13 @@ def choose(motion: Motion, pinned: np.ndarray, most: int, least: int | None = No
     errors = np.zeros((motion.frames, max(1, min(motion.frames - 1, LONGEST))))
     broken_errors(stage, last, enough, PATIENCE, errors)
     found = ways(errors, last, most, "largest distance of a joint or end site from where it was, file units")
-    if not found.frames or len(found.frames[0]) > len(known):  # only with segments longer than the table
-        found.frames.insert(0, known)
-        found = found._replace(errors=np.append(enough, found.errors))
-    return found
+    first = len(found.frames[0]) if found.frames else most + 1
+    if first <= len(known):
+        return found
+    # so few keys need segments longer than the table: salient poses stand in
+    further = [way for way in salient.choose(motion, pinned, first - 1).frames if len(way) >= len(known)]
+    errors = np.array([error_of(stage, way) for way in further])
+    return Choices(further + found.frames, np.append(errors, found.errors), found.measure)
 
 
 def error_of(stage: Stage, frames: np.ndarray) -> float:

@@ -80,7 +80,7 @@ class Poses:
         return int(keys) - self.fewest
 
 
-def poses(clip: Clip, *, method: str = "salient", pin: Pins = ()) -> Poses:
+def poses(clip: Clip, *, method: str = "salient", pin: Pins | None = None) -> Poses:
     """Which frames say most of a clip, for every number of keys at once.
 
     Parameters
@@ -107,7 +107,7 @@ def poses(clip: Clip, *, method: str = "salient", pin: Pins = ()) -> Poses:
 
 
 def by_number(
-    clip: Clip, numbers_of_keys: Sequence[int], *, pin: Pins = (), quality: str = "default"
+    clip: Clip, numbers_of_keys: Sequence[int], *, pin: Pins | None = None, quality: str = "default"
 ) -> dict[str, list[float]]:
     """For every method and for keys evenly in time: the largest error in space (file units) of the curves that `reduce`
     makes of so many whole poses, one for each number of keys."""
@@ -126,8 +126,9 @@ def by_number(
     return told
 
 
-def pins(pin: Pins, motion: Motion) -> np.ndarray:
+def pins(pin: Pins | None, motion: Motion) -> np.ndarray:
     """(F,) True where a key has to be: at the first and the last frame, and where `pin` says."""
+    pin = () if pin is None else pin
     if isinstance(pin, str | int) or not isinstance(pin, Sequence):
         raise OptionError(f"pin is a list of frames and times, like [40, '1.2s'], not {pin!r}")
     chosen = np.zeros(motion.frames, bool)

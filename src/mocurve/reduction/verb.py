@@ -35,7 +35,7 @@ def reduce(
     *,
     tolerance: str | Sequence[str] | None = None,
     keys: int | None = None,
-    pin: Pins = (),
+    pin: Pins | None = None,
     method: str = "optimal",
     align: str | None = None,
     quality: str = "default",
@@ -103,7 +103,7 @@ def reduce(
     step: dict[str, Any] = {"verb": "reduce", "tolerance": texts, "method": method, "align": align, "quality": quality}
     step["feet"] = feet
     step |= {"keys": int(keys)} if keys is not None else {}
-    step |= {"pin": [one if isinstance(one, str) else int(one) for one in pin]} if len(pin) else {}
+    step |= {"pin": [one if isinstance(one, str) else int(one) for one in pin]} if pin else {}
     step |= {"denoise": True} if denoise else {}
     tubes: list[world.Tube] = []
     if asked.motion.frames == 0:
