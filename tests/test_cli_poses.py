@@ -88,7 +88,7 @@ def test_the_weights_are_written_a_row_a_frame(short: Path) -> None:
         (["--keys", "5", "--method", "salent"], "no method 'salent'. Did you mean 'salient'?"),
         (["--method", "optimal"], "no method 'optimal'. There is: salient, broken, posture, probe, cluster"),
         (["--keys", "5", "--pin", "60"], "the pin '60' lies outside the clip, whose last frame is 59"),
-        (["--keys", "5", "--sheet", "out.jpg"], "out.jpg: the extension of a sheet is .png, not '.jpg'"),
+        (["--keys", "5", "--sheet", "out.jpg"], "out.jpg: the extension of this picture is .png, not '.jpg'"),
         (["--plot", "out.svg"], "out.svg: the extension of this picture is .png, not '.svg'"),
         (["--keys", "5", "--sheet", "gone/out.png"], "gone/out.png: there is no folder gone"),
     ],
@@ -110,6 +110,8 @@ def test_a_sheet_shows_frames_that_are_there(short: Path) -> None:
         assert image.width == 300
     with pytest.raises(OptionError, match="there is no frame 60: the clip has frames 0 to 59"):
         mc.sheet(clip, "two.png", [0, 60])
+    with pytest.raises(OptionError, match=r"two.jpg: the extension of a sheet is .png, not '.jpg'"):
+        mc.sheet(clip, "two.jpg", [0])
     with pytest.raises(OptionError, match="a sheet shows 1 to 600 poses, not 0"):
         mc.sheet(clip, "two.png", [])
     with pytest.raises(OptionError, match="the clip has no frames to draw"):

@@ -39,7 +39,10 @@ EACH: dict[str, list[Made]] = {
         lambda a, b: mc.reduce(a, method="cluster", tolerance="5%span", pin=["contacts"]),
         lambda a, b: mc.reduce(a, tolerance="9deg", pin=[40, 41]),
     ],
-    "refine": [lambda a, b: mc.refine(mc.reduce(a, tolerance="3deg", method="split"), a)],
+    "refine": [
+        lambda a, b: mc.refine(mc.reduce(a, tolerance="3deg", method="split"), a),
+        lambda a, b: mc.refine(mc.reduce(a, keys=8, pin=[40], quality="fast"), a),
+    ],
     "fit": [lambda a, b: mc.fit(a, spans=20, knots="uniform"), lambda a, b: mc.fit(a, tolerance="9deg", degree=2)],
     "trim": [lambda a, b: mc.trim(a, start=0.5, end=1.0), lambda a, b: a[20:50]],
     "blend": [lambda a, b: mc.blend(a, b, {"*Arm": "0:0,1:1"}), lambda a, b: mc.blend(a, mc.blend(b, a, 0.5), 0.3)],

@@ -13,7 +13,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import mocurve as mc
-from mocurve import HermiteCurve, KeyedMotion, Mismatch, MocurveError, Motion, OptionError, Skeleton, UnknownName
+from mocurve import KeyedMotion, Mismatch, MocurveError, Motion, OptionError, Skeleton, UnknownName
 from mocurve.contacts import planted
 from mocurve.kinematics import rest_height
 from mocurve.reduction import ALIGNMENTS, METHODS, QUALITIES
@@ -388,24 +388,3 @@ def test_refined_keys_are_as_many_nearer_and_keep_the_promise(
         assert (squares[1] <= squares[0] * (1 + 1e-9) + 1e-12).all()
     else:
         assert np.mean(astray(cut, better) ** 2) <= np.mean(astray(cut, keys) ** 2) * (1 + 1e-9)
-
-
-def test_refining_coarse_keys_makes_them_better(cut: Motion, samples: Samples) -> None:
-    keys = mc.reduce(cut, method="split", tolerance="0.05ratio")
-    better = mc.refine(keys, cut)
-    before, after = (np.mean(apart(cut, samples(each)) ** 2) for each in (keys, better))
-    assert after < 0.9 * before
-
-
-def test_refine_refuses_what_does_not_fit(cut: Motion) -> None:
-    keys = mc.reduce(lines(), tolerance="1deg")
-    with pytest.raises(Mismatch, match=r"are not the same motion: channels or frames differ$"):
-        mc.refine(keys, cut)
-    with pytest.raises(Mismatch, match=r"are not the same motion: channels or frames differ$"):
-        mc.refine(keys, lines(49))
-    shifted = HermiteCurve([0.0, 0.031, 0.98], [3.0, 3.0, 3.0], [0.0, 0.0, 0.0])
-    with pytest.raises(Mismatch, match=r"the keys of 'A.Xposition' do not lie on frames"):
-        mc.refine(replace(keys, curves=(shifted, *keys.curves[1:])), lines())
-    short = HermiteCurve([0.0, 0.5], [3.0, 3.0], [0.0, 0.0])
-    with pytest.raises(Mismatch, match=r"the keys of 'A.Xposition' do not reach from the first frame to the last"):
-        mc.refine(replace(keys, curves=(short, *keys.curves[1:])), lines())

@@ -114,6 +114,9 @@ def poses(
       mocurve poses jump.bvh --method salient --plot errors.png
     """
     check_outputs(file, sheet, plot, weights)
+    for picture in (sheet, plot):
+        if picture is not None and picture.suffix.lower() != ".png":
+            raise OptionError(f"{picture.name}: the extension of this picture is .png, not {picture.suffix.lower()!r}")
     if keys is None and (sheet is not None or weights is not None):
         raise OptionError("a sheet and weights are of some poses: say how many with --keys")
     clip = read(file)
