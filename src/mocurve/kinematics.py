@@ -15,7 +15,7 @@ from . import rotation
 from .errors import Mismatch
 from .motion import Motion
 
-SAME_DEGREES = 1e-9  # rotations as near as this are the same one: the channels stay as they are
+SAME_DEGREES = 1e-11  # rotations as near as this are the same one: the channels stay as they are
 EXPRESSIBLE_DEGREES = 1e-6
 
 
