@@ -58,7 +58,7 @@ def main() -> None:
     print(f"\n{'join':18}{'mode':12}{'apart cm':>9}{'step':>7}{'accel':>7}{'feet cm/s':>11}{'time s':>8}")
     for names in JOINS:
         a, b = (walk(name) for name in names)
-        for mode in ("overlap", "inertial"):
+        for mode in ("overlap", "inertial", "spline"):
             found, spent = timed(lambda a=a, b=b, mode=mode: mc.join(a, b, mode=mode))
             numbers = f"{found['distance']:9.2f}{found['step']:7.2f}{found['acceleration']:7.2f}"
             print(f"{' to '.join(names):18}{mode:12}{numbers}{found['foot_speed'] or 0:11.1f}{spent:8.2f}", flush=True)
