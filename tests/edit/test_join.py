@@ -232,7 +232,7 @@ def test_cuts_are_where_the_feet_do_the_same() -> None:
     places = np.zeros((200, 3, 3))
     places[:, 1, 0], places[:, 2, 1] = 10.0, 20.0
     places[:, 2, 0] = 0.1 * np.sin(np.arange(200) / 9.0)
-    others = places + [[0, 0, 0], [0, 0, 0], [0, 5, 0]]  # never quite alike
+    others = places + np.array([[0, 0, 0], [0, 0, 0], [0, 5, 0]])  # never quite alike
     rests = (np.arange(200) % 40 < 20)[:, None]
     cost = {"window": 8, "ahead": 0.0, "rough": np.ones(200)}
     of = _cuts.Candidates(places, others, rests, ~rests, **cost)
