@@ -43,6 +43,7 @@ _HOME = {
     "loop": "edit.loop",
     "join": "edit.join",
     "register": "edit.register",
+    "act_out": "edit.act_out",
     "render": "draw",
 }
 __all__ = ["__version__", *_HOME]

@@ -43,7 +43,7 @@ class Edited:
             size["keys"] = self.clip.keys
         if isinstance(self.clip, SplineMotion):
             size["coefficients"] = len(self.clip.values)
-        step = {k: v for k, v in self.clip.history[-1].items() if k not in ("with", "pose")}
+        step = {k: v for k, v in self.clip.history[-1].items() if k not in ("with", "pose", "performance", "measured")}
         return {**step, **size, **self.numbers}
 
 
