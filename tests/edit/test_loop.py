@@ -240,6 +240,12 @@ def test_options_that_make_no_cycle_are_refused(options: dict[str, float], words
         mc.loop(walk(200), **options)
 
 
+def test_more_cycles_than_fit_into_memory_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("mocurve.edit.loop.NUMBERS", 100_000)
+    with pytest.raises(OptionError, match="10000 cycles are 660001 frames: too many to hold"):
+        mc.loop(walk(200), cycles=10_000)
+
+
 def test_an_unknown_way_to_close_is_told_the_nearest() -> None:
     with pytest.raises(UnknownName, match="Did you mean 'crossfade'"):
         mc.loop(walk(200), close="crosfade")

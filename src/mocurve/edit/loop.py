@@ -26,7 +26,7 @@ from ._poses import Poses, motion_of, moved, poses_of
 from ._seams import bends, centimetres
 
 WAYS = (*CLOSINGS, "spline")
-MOST = 10_000  # cycles
+MOST, NUMBERS = 10_000, 50_000_000  # cycles; frames times channels
 FINER = 4  # samples a frame, of a spline that becomes a periodic one
 SAME_TIME = 1e-6  # seconds: times are given in decimal digits
 
@@ -111,6 +111,9 @@ def loop(
     places = world(motion)
     bend = bends(places)
     first, last = _ends(motion, places, *(_frame(time, motion, dropped) for time in (start, end)))
+    frames = cycles * (last - first) + 1
+    if frames * motion.values.shape[1] > NUMBERS:
+        raise OptionError(f"{cycles} cycles are {frames} frames: too many to hold, ask for fewer")
     step = _cycles.step(places, first, last, motion.frame_time)
     if close == "spline":
         made, twice, off = _of_splines(clip, motion, (first, last, dropped), step, cycles)
