@@ -82,6 +82,14 @@ def test_a_bad_cut_is_still_smooth(mode: str) -> None:
     assert measured(made).enter == 0.5
 
 
+@pytest.mark.parametrize("mode", MODES)
+def test_a_clip_after_itself_is_not_that_clip_once(mode: str) -> None:
+    clip = walk(200)
+    made = mc.join(clip, clip, mode=mode)
+    assert made.frames >= clip.frames + PERIOD - 1
+    assert measured(made).acceleration < 1.05
+
+
 def test_channels_do_not_jump_by_whole_turns() -> None:
     a, b = walk(200, 3.0), walk(200, -2.0)
     b = replace(b, values=b.values + 360.0 * BODY.rotation_channels)

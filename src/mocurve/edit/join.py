@@ -148,10 +148,11 @@ def _cuts_of(pair: Pair, count: int, mode: str, at: tuple[int | None, int | None
     away = int(first_frame_is_t_pose(b))
     if at[1] == 0 and away:
         raise OptionError("the second clip cannot be entered at 0 s: its first frame is a T-pose")
+    again = a.frames == b.frames and np.array_equal(a.values, b.values)  # not to be left where it is entered
     spots = []
     for which, clip, given, needed, low, high in (
         ("first", a, at[0], {"overlap": count, "inertial": 1, "spline": count + 1}[mode], a.frames // 2, a.frames),
-        ("second", b, at[1], count + (mode == "spline"), away, b.frames // 2),
+        ("second", b, at[1], count + (mode == "spline"), away, b.frames // 2 - again * count),
     ):
         last = clip.frames - needed
         if last < (0 if given is None else given):
