@@ -27,6 +27,7 @@ from ._seams import bends, centimetres
 
 WAYS = (*CLOSINGS, "spline")
 MOST, NUMBERS = 10_000, 50_000_000  # cycles; frames times channels
+ROUGH = 1.1  # times the largest acceleration of the clip: a seam beyond shows
 FINER = 4  # samples a frame, of a spline that becomes a periodic one
 SAME_TIME = 1e-6  # seconds: times are given in decimal digits
 
@@ -173,25 +174,27 @@ def _closed(motion: Motion, first: int, last: int, step: np.ndarray, close: str)
 def _of_splines(
     clip: Clip, motion: Motion, cut: tuple[int, int, int], step: np.ndarray, cycles: int
 ) -> tuple[Clip, Motion, float]:
-    """The cycles, two of them as samples, and how far the spline is from the closed frames."""
+    """The cycles, two of them as samples, and how far the splines are from the closed frames."""
     first, last, dropped = cut
     count = last - first
-    breaks, degree, fine, finer = None, 3, motion, 1
-    if isinstance(clip, SplineMotion):
-        fine, finer, degree = clip.sample(clip.frame_time / FINER), FINER, clip.degree
-        fine = fine[dropped * FINER :]
-        start = (first + dropped) * clip.frame_time
-        own = clip.knots[(clip.knots > start) & (clip.knots < start + count * clip.frame_time)] - start
-        breaks = np.concatenate([[0.0], np.unique(own), [count * clip.frame_time]])
-    first, last = first * finer, last * finer
-    way = "crossfade" if beside(first, last, fine.frames, fine.frame_time) >= 2 else "cubic"
-    closed = _closed(fine, first, last, step, way)
-    cycle = _periodic.fitted(closed, fine[first:last], step, breaks, degree)
-    if isinstance(clip, SplineMotion):
-        made, twice = (cycle.spline(n, clip.frame_time, n * count + 1)[0] for n in (cycles, 2))
-        return made, twice.sample(), cycle.off
-    frames = cycle.frames()
-    return _repeated(frames, motion, first, step, cycles), _repeated(frames, motion, first, step, 2), cycle.off
+    if not isinstance(clip, SplineMotion):
+        closed = _closed(motion, first, last, step, _way(motion, first, last))
+        frames, off = _periodic.as_frames(closed, motion[first:last], step)
+        return _repeated(frames, motion, first, step, cycles), _repeated(frames, motion, first, step, 2), off
+    fine = clip.sample(clip.frame_time / FINER)[dropped * FINER :]
+    start = (first + dropped) * clip.frame_time
+    own = clip.knots[(clip.knots > start) & (clip.knots < start + count * clip.frame_time)] - start
+    breaks = np.concatenate([[0.0], np.unique(own), [count * clip.frame_time]])
+    first, last = FINER * first, FINER * last
+    closed = _closed(fine, first, last, step, _way(fine, first, last))
+    spline, off = _periodic.as_spline(closed, fine[first:last], step, breaks, clip.degree)
+    made, twice = (spline(n, clip.frame_time, n * count + 1) for n in (cycles, 2))
+    return made, twice.sample(), off
+
+
+def _way(motion: Motion, first: int, last: int) -> str:
+    """A crossfade where the clip goes on on both sides of the cycle, else the cubic."""
+    return "crossfade" if beside(first, last, motion.frames, motion.frame_time) >= 2 else "cubic"
 
 
 def _repeated(closed: Poses, motion: Motion, first: int, step: np.ndarray, cycles: int) -> Motion:
@@ -234,7 +237,7 @@ def _measured(
 def _tell_seam(found: Loop, bend: np.ndarray) -> None:
     """A warning where the seam is rougher than anything in the clip."""
     usual = float(np.percentile(bend, 95))
-    if found.acceleration * usual > 1.05 * bend.max():
+    if found.acceleration * usual > ROUGH * bend.max():
         warnings.warn(
             f"the seam shows, its acceleration is {found.acceleration:.2g} times the usual largest: the ends of the "
             f"cycle are {found.distance:.3g} {found.unit} apart",
