@@ -295,3 +295,33 @@ def test_the_command_takes_tables_taps_and_clips(tmp_path: Path, capsys: pytest.
     (tmp_path / "two.csv").write_text("0,1\n1,2\n2,3\n")
     assert run("two.csv", "--column", "2") == 2
     assert "has no column 'time': --fps says" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("table", "words"),
+    [
+        (b"", "the table is empty"),
+        (b"\n\n", "the table is empty"),
+        (b"time", "a performance has 2 to 100000 rows, not 0"),
+        (b"time,y\n0,1\n", "a performance has 2 to 100000 rows, not 1"),
+        (b"time,y\n0,1\n1,\n2,1\n", "row 2 of the performance is not all numbers"),
+        (b"time,time\n0,1\n1,2\n", "two columns are called 'time'"),
+        (b"time,y\n0,1\n1,2,3\n", "2 cells expected, 3 found"),
+        (b"\x00\xff\xfe\x01", "bad.csv"),
+        (b"\x80\x81,\x82\n1,2\n", "bad.csv"),
+        (b'"time,y\n0,1\n1,2\n', "rows, not 0"),
+        (b"1e999,2\n1,2\n", "bad.csv"),
+        (b"nan\nnan\nnan\n", "row 1 of the performance is not all numbers"),
+    ],
+)
+def test_broken_tables_are_one_sentence(
+    table: bytes, words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mc.write(tmp_path / "walk.bvh", walk(60))
+    (tmp_path / "bad.csv").write_bytes(table)
+    given = ["--performance", str(tmp_path / "bad.csv"), "--joint", "LeftFoot", "-o", str(tmp_path / "made.bvh")]
+    assert cli.main(["act-out", str(tmp_path / "walk.bvh"), *given]) == 2
+    told = capsys.readouterr().err
+    assert words in told
+    assert told.count("\n") == 1
+    assert not (tmp_path / "made.bvh").exists()

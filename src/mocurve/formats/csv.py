@@ -65,6 +65,8 @@ def signals(path: Path) -> tuple[dict[str, np.ndarray], str | None]:
         text = _text(file.read(), path)
     lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
     head, taken, separator = _head(lines, path)
+    if not head:
+        raise FileError("the table is empty", path)
     if all(_is_number(name) for name in head):
         head, taken = [str(column + 1) for column in range(len(head))], 0
     if len(set(head)) < len(head):
