@@ -95,24 +95,19 @@ def act_out(
 
     >>> wave = mc.act_out(wave, [(0, 0), (0.4, 1), (0.7, 0), (1.6, 1), (2, 0)], joint="LeftHand")
     """
-    check_mode(of, MEASURES)
-    if features not in KINDS:
-        raise UnknownName("kind of features", features, KINDS)
     if (channel is None) == (joint is None):
         raise OptionError("say what is performed: either a channel or a joint of the clip")
-    rows = _rows(performance, channel, joint, of)
-    own_rows = _of_clip(clip, channel, joint, of)
-    name = channel or f"the {of} of {joint}"
+    check_mode(of, MEASURES)
+    of = of if joint else "height"  # of a channel, its value
+    if features not in KINDS:
+        raise UnknownName("kind of features", features, KINDS)
+    rows, own_rows = _rows(performance, channel, joint, of), _of_clip(clip, channel, joint, of)
     taps = rows.shape[1] == 1
-    signals = [_signal(part, of if joint else "height") for part in ([own_rows] if taps else [own_rows, rows])]
-    flat = _features.JITTERED if of == "speed" else max(_features.flat(values) for _, values in signals)
-    found = [_features.turns(times, values, flat).only(KINDS[features]) for times, values in signals]
-    own, performed = found[0], _features.taps(rows[:, 0]) if taps else found[1]
-    wanted = "highs or lows" if features == "turns" else features
-    if not len(own):
-        raise OptionError(f"{name} has no {wanted} that could be matched: it moves one way or not at all")
-    if not len(performed):
-        raise OptionError(f"the performance has no {wanted} that could be matched: it moves one way or not at all")
+    own, performed = _turning(own_rows, rows, of, features)
+    for found, whose in ((own, channel or f"the {of} of {joint}"), (performed, "the performance")):
+        if not len(found):
+            wanted = "highs or lows" if features == "turns" else features
+            raise OptionError(f"{whose} has no {wanted} that could be matched: it moves one way or not at all")
     pairs, told = _matched(clip, own, performed, ends and not taps, (own_rows, rows))
     made = retime(clip, pairs)
     step = {"verb": "act_out", "performance": (rows[:, 0] if taps else rows).tolist(), "channel": channel}
@@ -149,7 +144,7 @@ def _rows(performance: Performance, channel: str | None, joint: str | None, of: 
     rows = rows[np.append(np.diff(rows[:, 0]) > 0, True)]  # of rows at one time the last counts
     if len(rows) < 2:
         raise OptionError("all rows of the performance are at one time")
-    if not taps and rows.shape[1] > 2 and (of != "speed" or joint is None):
+    if not taps and rows.shape[1] > 2 and of != "speed":
         raise OptionError(f"the performance has {rows.shape[1] - 1} values a row: take one of them, or match speeds")
     return rows - np.eye(rows.shape[1])[0] * rows[0, 0] if not taps else rows
 
@@ -168,6 +163,15 @@ def _of_clip(clip: Clip, channel: str | None, joint: str | None, of: str) -> np.
     if first_frame_is_t_pose(motion):
         values = np.vstack([values[1:2], values[1:]])
     return np.column_stack([times, values])
+
+
+def _turning(own: np.ndarray, rows: np.ndarray, of: str, features: str) -> list[Features]:
+    """Where the clip (N, 1 + C) turns, and the performance; both are looked at alike."""
+    taps = rows.shape[1] == 1
+    signals = [_signal(part, of) for part in ([own] if taps else [own, rows])]
+    flat = _features.JITTERED if of == "speed" else max(_features.flat(values) for _, values in signals)
+    found = [_features.turns(times, values, flat).only(KINDS[features]) for times, values in signals]
+    return [found[0], _features.taps(rows[:, 0])] if taps else found
 
 
 def _signal(rows: np.ndarray, of: str) -> tuple[np.ndarray, np.ndarray]:

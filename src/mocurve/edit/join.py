@@ -112,8 +112,9 @@ def join(
     a, b = complete(first.sample()), at_rate(second, first.frame_time)
     count = _count(seconds, a.frame_time)
     at = (_frame(leave, a, "first"), _frame(enter, b, "second"))
-    pair = paired(a, b)
-    cut, found = _best(pair, _cuts_of(pair, count, mode, at), count, mode)
+    away = int(first_frame_is_t_pose(b))  # frames of the second that are not entered, and have no speed
+    pair = paired(a, replace(b, values=np.vstack([b.values[away : 2 * away], b.values[away:]])))
+    cut, found = _best(pair, _cuts_of(pair, count, mode, at, away), count, mode)
     if as_splines:
         made: Clip
         made, found = _spliced(first, second, pair, cut)  # type: ignore[arg-type]  # both are splines
@@ -142,13 +143,16 @@ def _frame(time: float | None, motion: Motion, which: str) -> int | None:
     return round(time / motion.frame_time)
 
 
-def _cuts_of(pair: Pair, count: int, mode: str, at: tuple[int | None, int | None]) -> list[tuple[int, int]]:
+def _cuts_of(
+    pair: Pair, count: int, mode: str, at: tuple[int | None, int | None], away: int = 0
+) -> list[tuple[int, int]]:
     """Frames of both clips at which the transition may begin, the best pair first."""
     a, b = pair.a, pair.b
-    away = int(first_frame_is_t_pose(b))
     if at[1] == 0 and away:
         raise OptionError("the second clip cannot be entered at 0 s: its first frame is a T-pose")
-    again = a.frames == b.frames and np.array_equal(a.values, b.values)  # not to be left where it is entered
+    again = a.frames == b.frames and np.array_equal(
+        a.values[away:], b.values[away:]
+    )  # not to be left where it is entered
     spots = []
     for which, clip, given, needed, low, high in (
         ("first", a, at[0], {"overlap": count, "inertial": 1, "spline": count + 1}[mode], a.frames // 2, a.frames),
