@@ -83,6 +83,15 @@ def test_a_hand_that_shakes_is_followed(seed: int) -> None:
     assert frames_off(clip, found, WARP) < 3.0
 
 
+def test_neither_huge_nor_tiny_values_are_too_much() -> None:
+    clip = walk(200)
+    rows = heights(mc.retime(clip, WARP))
+    plain = [row["new"] for row in measured(mc.act_out(clip, rows, **FOOT)).matched]
+    for size in (1e-300, 1e300):
+        found = measured(mc.act_out(clip, rows * [1.0, size], **FOOT)).matched
+        np.testing.assert_allclose([row["new"] for row in found], plain, atol=1e-6)
+
+
 def test_keys_move_with_their_slopes_and_stay_keys() -> None:
     clip = walk(200)
     keys = mc.reduce(clip, tolerance="0.1deg")
@@ -209,6 +218,8 @@ def test_the_timing_of_a_captured_walk_comes_back(joint: str, clips: Path) -> No
         ([(0, 0, 0), (1, 1, 1), (2, 0, 0)], FOOT, "2 values a row: take one of them, or match speeds"),
         (np.zeros((3, 2, 2)), FOOT, r"not shape \(3, 2, 2\)"),
         (np.zeros((3, 0)), FOOT, r"not shape \(3, 0\)"),
+        ([(0, 0), (1e300, 1), (1.7e308, 0)], FOOT, r"a performance lasts 100000 s at most, not 1.7e\+308"),
+        ([(0, 0), (1e-9, 1), (2e-9, 0)], FOOT, "the performance has no highs or lows"),
         (np.zeros((100_001, 2)), FOOT, "a performance has 2 to 100000 rows"),
         (np.column_stack([np.arange(1000), np.arange(1000) % 2]), FOOT, "turns 99. times; at most 200"),
     ],

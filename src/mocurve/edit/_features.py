@@ -73,9 +73,9 @@ def smoothed(times: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndar
     """Even times (M,) and the signal (N, C) there, without jitter."""
     from scipy.ndimage import gaussian_filter1d  # a tenth of a second, for who needs it
 
-    at = np.linspace(0.0, times[-1], min(int(times[-1] * RATE_HZ) + 2, SAMPLES))
+    at = np.linspace(0.0, times[-1], int(min(times[-1] * RATE_HZ, SAMPLES)) + 2)
     even = np.stack([np.interp(at, times, column) for column in values.T], axis=1)
-    sigma = SMOOTH / (at[1] - at[0])
+    sigma = min(SMOOTH / (at[1] - at[0]), float(len(at)))
     beyond = min(int(4.0 * sigma) + 1, len(at) - 1)
     padded = np.pad(even, ((beyond, beyond), (0, 0)), "reflect", reflect_type="odd")  # goes on as it begins and ends
     return at, gaussian_filter1d(padded, sigma, axis=0)[beyond : beyond + len(at)]

@@ -25,7 +25,7 @@ from .retime import retime, time_map
 
 KINDS = {"turns": (1, -1), "highs": (1,), "lows": (-1,)}
 MEASURES = ("height", "speed")
-MOST = 100_000  # samples of a performance
+MOST, LONGEST = 100_000, 100_000.0  # rows and seconds of a performance
 
 Performance = Clip | np.ndarray | Sequence[float] | Sequence[Sequence[float]]
 
@@ -141,6 +141,8 @@ def _rows(performance: Performance, channel: str | None, joint: str | None, of: 
         raise OptionError(
             f"the times of a performance rise; row {row + 2} is at {rows[row + 1, 0]:g} s, after {rows[row, 0]:g} s"
         )
+    if rows[-1, 0] > LONGEST + rows[0, 0]:
+        raise OptionError(f"a performance lasts {LONGEST:g} s at most, not {rows[-1, 0] - rows[0, 0]:g}")
     rows = rows[np.append(np.diff(rows[:, 0]) > 0, True)]  # of rows at one time the last counts
     if len(rows) < 2:
         raise OptionError("all rows of the performance are at one time")
@@ -175,7 +177,8 @@ def _turning(own: np.ndarray, rows: np.ndarray, of: str, features: str) -> list[
 
 
 def _signal(rows: np.ndarray, of: str) -> tuple[np.ndarray, np.ndarray]:
-    """Times (N,) and values (N,): the one value there is, or the speed along a way."""
+    """Times (N,) and values (N,): the one value there is, or the speed along a way; 1 is the largest value."""
+    rows = rows / np.append(1.0, np.full(rows.shape[1] - 1, np.abs(rows[:, 1:]).max() or 1.0))
     if of == "height":
         return rows[:, 0], rows[:, 1]
     times, places = _features.smoothed(rows[:, 0], rows[:, 1:])
