@@ -14,7 +14,9 @@ import mocurve as mc
 from mocurve import FileError, OptionError, cli
 from mocurve.recipe import LARGEST, VERBS, fits, hints
 
-pytestmark = pytest.mark.filterwarnings("ignore:keys become samples", "ignore:splines become samples")
+pytestmark = pytest.mark.filterwarnings(
+    "ignore:keys become samples", "ignore:splines become samples", "ignore:the clip runs"
+)
 
 
 @pytest.fixture
@@ -60,7 +62,14 @@ EACH: dict[str, list[Made]] = {
     ],
     "retime": [lambda a, b: mc.retime(a, {0.5: 0.6, 0.8: 1.0})],
     "loop": [lambda a, b: mc.loop(a, start=0.2, end=1.0, cycles=2, close="cubic")],
-    "join": [lambda a, b: mc.join(a, b, seconds=0.2)],
+    "join": [
+        lambda a, b: mc.join(a, b, seconds=0.2),
+        lambda a, b: mc.join(mc.fit(a, tolerance="9deg"), mc.fit(b, tolerance="9deg"), seconds=0.2, mode="spline"),
+    ],
+    "act_out": [
+        lambda a, b: mc.act_out(a, [(0, 4), (0.7, 1), (1.2, 9), (1.6, 1)], channel="Hips.Yposition"),
+        lambda a, b: mc.act_out(a, b, joint="Hips"),
+    ],
     "register": [lambda a, b: mc.register(a, b, slope=2)],
 }
 

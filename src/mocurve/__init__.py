@@ -48,6 +48,7 @@ _HOME = {
     "bands": "edit.bands",
     "waveshape": "edit.waveshape",
     "limit": "edit.limit",
+    "act_out": "edit.act_out",
     "render": "draw",
     "run": "recipe",
 }

@@ -12,6 +12,7 @@ COMMANDS = {
     "scale": "More or less of a displacement.",
     "warp": "A clip bent smoothly so that channels have given values at given times.",
     "retime": "Moments of a clip moved to other times; smooth in between, never backwards.",
+    "act-out": "A clip gets the timing with which somebody performs it.",
     "refine": "The same number of keys, moved until they follow the clip better.",
     "join": "One motion over into another, where the two look most alike.",
     "register": "One clip retimed so that it runs in step with another.",

@@ -20,4 +20,5 @@ VERBS = {
     "bands": "bands",
     "waveshape": "waveshape",
     "limit": "limit",
+    "act_out": "act_out",
 }
