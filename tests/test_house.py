@@ -19,7 +19,7 @@ FILES = sorted(PACKAGE.rglob("*.py"))
 LAYERS = [
     "errors",
     "_jit progress data",
-    "rotation hermite bspline planar",
+    "rotation hermite bspline planar whittaker",
     "skeleton",
     "motion",
     "keyed",
@@ -30,6 +30,7 @@ LAYERS = [
     "reduction",
     "fitting",
     "formats",
+    "path",
     "edit",
     "report draw",
     "commands",

@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from .errors import FileError, Mismatch, MocurveError, OptionError, UnknownName
     from .keyed import HermiteCurve, KeyedMotion
     from .motion import Clip, Motion, unroll
+    from .path import Path
     from .skeleton import Skeleton
     from .spline import SplineMotion
 
@@ -26,6 +27,7 @@ _HOME = {
     "HermiteCurve": "keyed",
     "KeyedMotion": "keyed",
     "SplineMotion": "spline",
+    "Path": "path",
     "read": "formats",
     "write": "formats",
     "denoise": "denoising",
