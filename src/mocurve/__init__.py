@@ -45,6 +45,7 @@ _HOME = {
     "loop": "edit.loop",
     "join": "edit.join",
     "register": "edit.register",
+    "follow": "edit.follow",
     "render": "draw",
 }
 __all__ = ["__version__", *_HOME]

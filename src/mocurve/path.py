@@ -164,6 +164,13 @@ class Path:
             places[out] += beyond[out, None] * self._direction(parameter[out])
         return places.reshape(*distance.shape, -1), self.heading(parameter).reshape(distance.shape)
 
+    def slope(self, distance: np.ndarray) -> np.ndarray:
+        """Radians (M,) by which a path with heights rises at distances (M,)."""
+        ahead = self.velocity(self.table().parameter(distance))
+        if ahead.shape[1] == 2:
+            return np.zeros(len(ahead))
+        return np.arctan2(ahead[:, 1], np.hypot(ahead[:, 0], ahead[:, 2]))
+
     def residuals(self, clip: Clip) -> np.ndarray:
         """How far (F,) the clip's root is from the path at every frame, clip's length unit.
 

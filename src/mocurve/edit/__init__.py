@@ -15,4 +15,5 @@ VERBS = {
     "loop": "loop",
     "join": "join",
     "register": "register",
+    "follow": "follow",
 }
