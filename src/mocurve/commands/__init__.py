@@ -14,6 +14,8 @@ COMMANDS = {
     "join": "One motion over into another, where the two look most alike.",
     "register": "One clip retimed so that it runs in step with another.",
     "loop": "One cycle of a motion, closed and repeated without a seam.",
+    "path": "The path of a clip over the ground, as control points to edit.",
+    "follow": "A clip laid along a path: what it does relative to its own path, it does relative to the new one.",
     "compare": "What changed between two clips: per channel, per joint, and as a page to look at.",
     "info": "What a file holds: skeleton, channels, frames, length unit, and what is odd about it.",
     "convert": "The same clip in another format.",

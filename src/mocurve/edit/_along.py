@@ -55,7 +55,8 @@ def way(course: Course, path: Path, mode: str, at_end: str, frame_time: float) -
     table, count = path.table(), len(course.distance)
     if mode == "span":
         return _span(course, path, table)
-    plain = Way(np.arange(count, dtype=float), np.zeros(count, np.int64), *[course.distance] * 2, np.zeros(count, bool))
+    own, nothing = course.distance, np.zeros(count, bool)
+    plain = Way(np.arange(count, dtype=float), np.zeros(count, np.int64), own, own, nothing)
     if mode == "time":
         return replace(plain, distance=table.distance(course.table.parameter(course.distance)))
     if mode == "scaled":

@@ -6,6 +6,8 @@ what it is after. A constant difference stays exactly what it is.
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from ..motion import Motion
@@ -14,7 +16,8 @@ from ._seams import centimetres
 
 GATE = 20.0  # cm/s: at this speed a heading counts half
 STANDING = 10.0  # cm/s: a body that is never faster has no direction
-LEAST = 1e-6
+LEAST = 1e-6  # of the weight of a heading at full speed
+MOVING = 0.1  # of the largest weight: below, a heading is not looked at
 WIDTH = 0.15  # seconds over which a turn is smooth
 ALIKE = 0.9  # of headings that all point one way
 
@@ -35,45 +38,35 @@ def speeds(distance: np.ndarray, cycle: np.ndarray, frame_time: float) -> np.nda
     return result
 
 
-def turns(old: np.ndarray, new: np.ndarray, speed: np.ndarray, limits: tuple[float, float], width: float) -> np.ndarray:
+def turns(
+    old: np.ndarray,
+    new: np.ndarray,
+    speed: np.ndarray,
+    limits: tuple[float, float],
+    width: float,
+    held: tuple[bool, bool] = (False, False),
+) -> np.ndarray:
     """Radians (G,), whole turns counted, from headings old (G,) to new (G,), smooth.
 
     speed: (G,) units a second. limits: as `gate` has them. width: frames over which it is smooth.
+    held:  whether before the first and after the last frame the body does not turn.
     """
-    apart = np.exp(1j * (new - old))
-    middle = apart.mean()
-    if not speed.max(initial=0.0) > limits[1]:  # a body that stands
+    apart = np.angle(np.exp(1j * (new - old)))
+    if not speed.max(initial=0.0) > limits[1] and not any(held):  # a body that stands
+        middle = np.exp(1j * apart).mean()
         return np.full(len(old), np.angle(middle) if abs(middle) > ALIKE else 0.0)
-    weights = _weights(speed, limits[0])
-    whole = (weights * apart).sum()
-    towards = apart[0] if abs(whole) < 1e-9 * weights.sum() else whole / abs(whole)
-    away = apart / towards - 1.0  # 0 where all headings differ alike, and then smoothing leaves it 0
-    return np.angle(towards) + _angles(away, weights, width, (False, False))
-
-
-def turns_within(
-    old: np.ndarray, new: np.ndarray, speed: np.ndarray, limits: tuple[float, float], width: float,
-    held: tuple[bool, bool],
-) -> np.ndarray:  # fmt: skip
-    """The same for part of a motion, which is held: before it, or after it, the body does not turn."""
-    away = np.exp(1j * (new - old)) - 1.0
-    return _angles(away, _weights(speed, limits[0]), width, held)
+    square = speed * speed
+    weights = square / np.maximum(square + limits[0] ** 2, 1e-300)
+    moving = np.flatnonzero(weights >= MOVING * weights.max(initial=0.0))
+    steady = np.unwrap(apart[moving])  # what headings do in between, where the body hardly moves, says nothing
+    apart = np.interp(np.arange(len(old)), moving, steady) if len(moving) else np.zeros(len(old))
+    from_there = 0.0 if any(held) else apart[0]
+    if (apart == from_there).all():  # so that what is alike stays so to the last digit
+        return apart
+    return from_there + smoothed((apart - from_there)[:, None], weights + LEAST, width, held)[:, 0]
 
 
 def runs(cycle: np.ndarray) -> list[slice]:
     """The frames of each cycle."""
     edges = np.concatenate([[0], np.flatnonzero(np.diff(cycle)) + 1, [len(cycle)]]).tolist()
-    return [slice(first, last) for first, last in zip(edges, edges[1:], strict=False) if last > first]
-
-
-def _weights(speed: np.ndarray, gate: float) -> np.ndarray:
-    square = speed * speed
-    return square / np.maximum(square + gate * gate, 1e-300) + LEAST
-
-
-def _angles(away: np.ndarray, weights: np.ndarray, width: float, held: tuple[bool, bool]) -> np.ndarray:
-    """Angles of 1 + away (G,), which is made smooth."""
-    if not away.any():
-        return np.zeros(len(away))
-    parts = smoothed(np.stack([away.real, away.imag], axis=1), weights, width, held)
-    return np.unwrap(np.arctan2(parts[:, 1], 1.0 + parts[:, 0]))
+    return [slice(first, last) for first, last in pairwise(edges) if last > first]

@@ -56,7 +56,10 @@ def at_frames(motion: Motion, frames: np.ndarray) -> Motion:
 
 def _roots(skeleton: Skeleton) -> tuple[Skeleton, np.ndarray]:
     """The roots alone, each with an end where it carried something, and the columns (C,) of their channels."""
-    names, parents, offsets, channels = [], [], [], []
+    names: list[str] = []
+    parents: list[int] = []
+    offsets: list[np.ndarray] = []
+    channels: list[tuple[str, ...]] = []
     for joint in np.flatnonzero(skeleton.parents < 0).tolist():
         here = len(names)
         names.append(skeleton.names[joint])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from .. import kinematics
@@ -9,8 +11,9 @@ from ..motion import Motion
 from ..path import Path
 from ..path_length import LengthTable
 from ._along import Course
+from ._bearing import runs
 
-SURE = 0.5  # cosine: a way further than 60 degrees to the side is neither forwards nor backwards
+EDGE = 0.2  # seconds of going before and after a pause that are compared
 
 
 def progress(
@@ -38,22 +41,26 @@ def progress(
 
 
 def _ways(motion: Motion, course: Course, least: float) -> np.ndarray:
-    """(F,) 1 where the body goes as it mostly does, -1 where it goes the other way, both as it looks itself."""
+    """(F,) 1 where the body goes as it mostly does, -1 where it goes the other way, both as it looks itself.
+
+    Only where it slows down can the one change into the other: whoever turns about without, walks a bend.
+    """
     root = int(np.argmax(motion.skeleton.parents < 0))
     columns, order = motion.skeleton.eulers[root]
     turn = kinematics.rotation.from_euler(motion.values[:, columns], order)
     looks = 2.0 * np.arctan2(turn[:, 2], turn[:, 0])  # the part of its turning that is about the vertical
-    heading = course.path.heading(course.table.parameter(course.distance))
-    speed = np.gradient(course.distance) / motion.frame_time if len(looks) > 1 else np.zeros(1)
-    apart = np.exp(1j * (heading - looks))
-    mostly = (speed * apart).sum()
-    along = (apart * np.conj(mostly)).real / max(abs(mostly), 1e-300)
-    sure = (speed > least) & (np.abs(along) > SURE)
-    if not sure.any():
-        return np.ones(len(looks))
-    known = np.maximum.accumulate(np.where(sure, np.arange(len(looks)), -1))
-    known = np.where(known < 0, int(np.argmax(sure)), known)
-    return np.sign(along[known])
+    apart = np.exp(1j * (course.path.heading(course.table.parameter(course.distance)) - looks))
+    fast = np.gradient(course.distance) > least * motion.frame_time if len(looks) > 1 else np.zeros(1, bool)
+    goes = [run for run in runs(fast) if fast[run.start]]
+    ways, sign = np.ones(len(looks)), 1.0
+    near = max(1, round(EDGE / motion.frame_time))
+    for before, after in pairwise(goes):
+        leaves, comes = apart[before][-near:].sum(), apart[after][:near].sum()
+        if (leaves * np.conj(comes)).real < 0:
+            sign = -sign
+        ways[(before.stop + after.start) // 2 :] = sign
+    mostly = np.sign((ways * np.gradient(course.distance)).sum()) if len(goes) > 1 else 1.0
+    return ways * (mostly or 1.0)
 
 
 def _stall(distance: np.ndarray, frame: int, least: float) -> tuple[int, int]:

@@ -7,8 +7,8 @@ import numpy as np
 from ..errors import OptionError
 from ..kinematics import world
 from ..motion import Motion
-from ..path_fit import fitted
 from ..path import Fit
+from ..path_fit import fitted
 from . import _cycles
 from .loop import loop
 

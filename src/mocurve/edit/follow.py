@@ -42,7 +42,8 @@ class Following:
 
     unit:        of the lengths that follow: "cm", or "units" of the file where nobody knows how long these are.
     own_length:  of the clip's own path; length: of the new one.
-    travelled:   along the new path, from the first frame to the last; behind its ends it goes straight on.
+    travelled:   along the new path, from the first frame to the last.
+    beyond:      how much of that lies straight on behind an end of the path.
     residual:    how far the root is from the clip's own path, root mean square.
     frames:      of the result; cycles: how often the motion begins in it.
     stride:      how long strides are where only a span was edited, times the source's; slower: how much time they take.
@@ -54,6 +55,7 @@ class Following:
     own_length: float
     length: float
     travelled: float
+    beyond: float
     residual: float
     frames: int
     cycles: int
@@ -70,6 +72,8 @@ class Following:
             f"new path: {self.length:.4g} {self.unit}, {self.travelled:.4g} {self.unit} of it gone along in "
             f"{self.frames} frames{again}",
         ]
+        if self.beyond > 0.001 * self.length:
+            lines.append(f"the path is shorter than that: {self.beyond:.4g} {self.unit} lie straight on behind its end")
         if self.stride != 1.0:
             lines.append(f"in the edited span strides are {self.stride:.3g} times as long and take {self.slower:.3g}")
         changed = "nothing" if self.first is None else f"frames {self.first} to {self.last}"
@@ -133,6 +137,7 @@ def follow(
     if at_end == "cycle" and table.length > course.table.length * (1.0 + NOTHING):
         body, start, every = repeated(body, table.length)
         course = _course(body, 0, None, None)
+        start, ahead = start + ahead, 0  # a T-pose is no part of a cycle
     found, back = _found(body, course, given, table, (mode, at_end, heading))
     base = at_frames(body, found.frame)
     plan = _planned(base, course, given, found, back, posture)
@@ -145,10 +150,18 @@ def follow(
         rows = {name: np.concatenate([row[:1] if name != "frame" else [0], row]) for name, row in rows.items()}
     measured = _measured(motion, base, course, table, found, plan[0], rows)
     _tell(measured)
-    step = {"verb": "follow", "path": as_json(given), "mode": mode, "at_end": at_end, "heading": heading}
+    step: dict[str, Any] = {"verb": "follow", "path": as_json(given), "mode": mode, "at_end": at_end}
+    step |= {"heading": heading}
     step |= {"posture": posture, "of": None if own_given is None else as_json(own_given)}
     step |= {"measured": measured.to_json(), "table": {name: row.tolist() for name, row in rows.items()}}
     return recorded(made, (*clip.history, step))  # type: ignore[return-value]  # a Motion stays one
+
+
+def own_path(clip: Clip, path: Path, of: Path | None = None) -> Path:
+    """The path that `follow` takes the clip to be on."""
+    motion = complete(clip.sample())
+    ahead = lead(motion)
+    return _course(motion[ahead:], ahead, path, of).path
 
 
 # -- in call order ---------------------------------------------------------------------------------
@@ -253,7 +266,7 @@ def _turned(base: Motion, course: Course, path: Path, found: Way, old: np.ndarra
         for run in _bearing.runs(changed):
             if changed[run.start]:
                 held = (run.start > 0, run.stop < len(turn))
-                turn[run] = _bearing.turns_within(old[run], new[run], speed[run], limits, width, held)
+                turn[run] = _bearing.turns(old[run], new[run], speed[run], limits, width, held)
         return turn
     for run in _bearing.runs(found.cycle):
         turn[run] = _bearing.turns(old[run], new[run], speed[run], limits, width)
@@ -281,6 +294,7 @@ def _measured(
         own_length=scale * course.table.length,
         length=scale * table.length,
         travelled=scale * sum(float(np.abs(np.diff(found.distance[run])).sum()) for run in _bearing.runs(found.cycle)),
+        beyond=scale * float(np.ptp(found.distance) - np.ptp(np.clip(found.distance, 0.0, table.length))),
         residual=scale * float(np.sqrt(np.mean(away**2))),
         frames=len(rows["frame"]),
         cycles=int(rows["cycle"][-1]) + 1,
