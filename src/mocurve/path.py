@@ -106,8 +106,8 @@ class Path:
         Parameters
         ----------
         points
-            How many control points; by default about one a second, so that the hips' sway is left to the motion. A
-            polynomial has one more than its degree.
+            How many control points; by default about one for every second that it moves, so that the hips' sway is left
+            to the motion. A polynomial has one more than its degree.
         degree
             Of the curve, up to 200.
         kind
@@ -118,7 +118,8 @@ class Path:
         height
             Whether the height of the root is followed too, as on stairs.
 
-        The parameter of the curve goes evenly with time. A T-pose in front is left out. Errors: OptionError for more
+        The parameter of the curve grows with the square root of the root's speed, so that pauses take none of it. A
+        T-pose in front is left out. Errors: OptionError for more
         points than frames, Mismatch for samples that are missing.
         """
         from .path_fit import fitted
@@ -174,8 +175,8 @@ class Path:
     def residuals(self, clip: Clip) -> np.ndarray:
         """How far (F,) the clip's root is from the path at every frame, clip's length unit.
 
-        The parameter of the path goes evenly with time, as that of a fitted one does. A T-pose in front counts as
-        lying where the next frame lies.
+        Each frame counts at the parameter that it would have in a fit. A T-pose in front counts as lying where the next
+        frame lies.
         """
         from .path_fit import residuals
 

@@ -16,22 +16,25 @@ from .path import Fit, Path, chebyshev_places
 from .whittaker import smoothed
 
 SMOOTH = 0.25  # seconds: of the track `smooth`; waves of 1.6 s are halved, those of a stride nearly gone
+STANDS = 1e-9  # of the largest coordinate: a shorter way is none
+STEADY = 0.1  # seconds: of the way that says where along its path a body is
 LEAD = 240  # frames that are looked at to see whether the first one is a T-pose
 
 
 def fitted(clip: Clip, fit: Fit) -> Path:
     """The path of a clip, as `Path.of` tells."""
     motion = clip.sample()
-    return of_track(tracked(motion[lead(motion) :], fit), fit, motion.frame_time)
+    body = motion[lead(motion) :]
+    return of_track(tracked(body, fit), gone(body), fit, body.frame_time)
 
 
 def residuals(path: Path, clip: Clip) -> np.ndarray:
-    """How far (F,) a clip's root is from the path, the parameter going evenly with time."""
+    """How far (F,) a clip's root is from the path."""
     motion = clip.sample()
     ahead = lead(motion)
-    track = tracked(motion[ahead:], Fit())
+    body = motion[ahead:]
     columns = slice(None) if path.points.shape[1] == 3 else [0, 2]
-    away = np.linalg.norm(track[:, columns] - path.place(even(len(track))), axis=1)
+    away = np.linalg.norm(tracked(body, Fit())[:, columns] - path.place(gone(body)), axis=1)
     return np.concatenate([away[:ahead], away])
 
 
@@ -40,9 +43,22 @@ def lead(motion: Motion) -> int:
     return int(first_frame_is_t_pose(motion[:LEAD]))
 
 
-def even(count: int) -> np.ndarray:
-    """(F,) parameters of frames, even in time."""
-    return np.linspace(0.0, 1.0, count) if count > 1 else np.zeros(count)
+def gone(motion: Motion) -> np.ndarray:
+    """(F,) parameters of frames, from 0 to 1, which grow with the square root of the root's speed over the ground.
+
+    So a body that stands stays in one place of its path, where a curve over time would ring, and bends that are taken
+    slowly get more of the curve (Lee 1989, Choosing nodes in parametric curve interpolation: centripetal). Whoever does
+    not move at all has parameters even in time.
+    """
+    root = tracked(motion, Fit())[:, [0, 2]]
+    if len(root) < 2:
+        return np.zeros(len(root))
+    way = smoothed(root - root[0], np.ones(len(root)), STEADY / motion.frame_time)
+    steps = np.linalg.norm(np.diff(way, axis=0), axis=1)
+    if not steps.sum() > STANDS * (1.0 + np.abs(root).max()):
+        return np.linspace(0.0, 1.0, len(root))
+    grown = np.concatenate([[0.0], np.cumsum(np.sqrt(steps))])
+    return grown / grown[-1]
 
 
 def tracked(motion: Motion, fit: Fit) -> np.ndarray:
@@ -77,21 +93,23 @@ def roots(motion: Motion) -> np.ndarray:
     return places.mean(axis=1)
 
 
-def of_track(track: np.ndarray, fit: Fit, frame_time: float) -> Path:
-    """The path fitted to places (F, 3) that are evenly spaced in time."""
-    count, fit = len(track), _settled(fit, len(track), (len(track) - 1) * frame_time)
+def of_track(track: np.ndarray, at: np.ndarray, fit: Fit, frame_time: float) -> Path:
+    """The path fitted to places (F, 3) at parameters (F,) that do not fall, from 0 to 1."""
+    speed = np.diff(at)
+    moving = frame_time * float(speed.sum() ** 2 / max((speed**2).sum(), 1e-300))  # seconds: half, if it stands half
+    count, fit = len(track), _settled(fit, len(track), moving)
     samples = track if fit.height else track[:, [0, 2]]
     assert fit.points is not None
     if count == 1:
         return Path(np.repeat(samples, 2, axis=0), 1, fit=fit)
     if fit.kind == "polynomial":
-        basis = np.polynomial.chebyshev.chebvander(2.0 * even(count) - 1.0, fit.degree)
+        basis = np.polynomial.chebyshev.chebvander(2.0 * at - 1.0, fit.degree)
         coefficients = np.linalg.lstsq(basis, samples - samples[0], rcond=None)[0]
         at = np.polynomial.chebyshev.chebval(2.0 * chebyshev_places(fit.points) - 1.0, coefficients).T
         return Path(samples[0] + at, fit.degree, "polynomial", fit=fit)
     knots = bspline.clamped(np.linspace(0.0, 1.0, fit.points - fit.degree + 1), fit.degree)
     try:
-        moved = least_squares(knots, fit.degree, even(count), samples - samples[0])
+        moved = least_squares(knots, fit.degree, at, samples - samples[0])
     except Mismatch as error:
         raise OptionError(f"{count} frames do not settle {fit.points} control points: take fewer") from error
     return Path(samples[0] + moved, fit.degree, fit=fit)
@@ -111,7 +129,7 @@ def _between_feet(motion: Motion) -> np.ndarray:
     return np.mean([places[:, group].mean(axis=1) for group in groups], axis=0)
 
 
-def _settled(fit: Fit, frames: int, duration: float) -> Fit:
+def _settled(fit: Fit, frames: int, moving: float) -> Fit:
     """With a number of points and a degree that so many frames allow."""
     if frames == 1:
         return replace(fit, points=2, degree=1, kind="spline")
@@ -125,7 +143,7 @@ def _settled(fit: Fit, frames: int, duration: float) -> Fit:
         return replace(fit, points=fit.degree + 1)
     points = fit.points
     if points is None:  # one a second, and one more for its end
-        points = min(max(fit.degree + 1, round(duration) + 1), frames)
+        points = min(max(fit.degree + 1, round(moving) + 1), frames)
     if points > frames:
         raise OptionError(f"a path of {points} control points takes as many frames, and the clip has {frames}")
     return replace(fit, points=points, degree=min(fit.degree, points - 1))

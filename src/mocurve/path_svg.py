@@ -120,7 +120,7 @@ def _commands(data: str, file: File, line: int) -> list[tuple[str, list[float], 
     data = data.rstrip()
     while place < len(data):
         token = _TOKEN.match(data, place)
-        at = line + data.count("\n", 0, place)
+        at = line + data.count("\n", 0, len(data) - len(data[place:].lstrip()))
         if token is None:
             raise FileError(f"a letter or a number expected, {data[place : place + 20].strip()!r} found", file, at)
         place = token.end()

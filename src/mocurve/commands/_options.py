@@ -35,7 +35,8 @@ Unit = Annotated[
 def with_options_of(*verbs: Callable[..., Any]) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Give a command the keyword-only options of verbs in place of its own **options: names, types, defaults and help.
 
-    What the command has itself under that name stays its own. The help of an option is what the verb's docstring says after its name.
+    What the command has itself under that name stays its own. The help of an option is what the verb's docstring says
+    after its name.
     """
     taken = [option for verb in verbs for option in _options(verb)]
 

@@ -1,7 +1,7 @@
 """How far a body turns when it is laid along another path: the difference of the two paths' headings, made smooth.
 
-Where the body hardly moves a path has no direction worth following; there the turn goes over from what it was before to
-what it is after. A constant difference stays exactly what it is.
+Where the body hardly moves a path has no direction worth following; there the turn goes over evenly from what it was
+before to what it is after. A constant difference stays exactly what it is.
 """
 
 from __future__ import annotations
@@ -16,8 +16,7 @@ from ._seams import centimetres
 
 GATE = 20.0  # cm/s: at this speed a heading counts half
 STANDING = 10.0  # cm/s: a body that is never faster has no direction
-LEAST = 1e-6  # of the weight of a heading at full speed
-MOVING = 0.1  # of the largest weight: below, a heading is not looked at
+MOVING = 0.1  # of the largest weight: below, a heading is not looked at, and what is put there has this weight
 WIDTH = 0.15  # seconds over which a turn is smooth
 ALIKE = 0.9  # of headings that all point one way
 
@@ -60,10 +59,11 @@ def turns(
     moving = np.flatnonzero(weights >= MOVING * weights.max(initial=0.0))
     steady = np.unwrap(apart[moving])  # what headings do in between, where the body hardly moves, says nothing
     apart = np.interp(np.arange(len(old)), moving, steady) if len(moving) else np.zeros(len(old))
+    weights = np.maximum(weights, MOVING)
     from_there = 0.0 if any(held) else apart[0]
     if (apart == from_there).all():  # so that what is alike stays so to the last digit
         return apart
-    return from_there + smoothed((apart - from_there)[:, None], weights + LEAST, width, held)[:, 0]
+    return from_there + smoothed((apart - from_there)[:, None], weights, width, held)[:, 0]
 
 
 def runs(cycle: np.ndarray) -> list[slice]:

@@ -13,6 +13,7 @@ from . import _cycles
 from .loop import loop
 
 CLOSED = 0.01  # of the body's size: a clip whose ends are no further apart is one cycle
+MOVED = 0.01  # of the body's size in a cycle: less is standing
 MOST_FRAMES = 1_000_000
 TRIED = 4  # cycles, to see how far one goes
 
@@ -24,7 +25,7 @@ def repeated(motion: Motion, length: float) -> tuple[Motion, int, int]:
     several = loop(motion, start=start, end=end, cycles=TRIED, close=close)
     told = several.history[-1]["measured"]
     goes = fitted(several, Fit()).length / TRIED
-    if not goes > 1e-6 * length:
+    if not goes > MOVED * _size(world(motion)):
         raise OptionError("a cycle of the clip stays where it is: it cannot be repeated to the end of the path")
     cycles = int(np.ceil(1.02 * length / goes)) + 1
     if cycles * told["frames"] > MOST_FRAMES:
@@ -36,8 +37,12 @@ def repeated(motion: Motion, length: float) -> tuple[Motion, int, int]:
 def _whole(motion: Motion) -> tuple[float | None, float | None]:
     """Start and end, seconds, of a clip that is a cycle itself; else None."""
     places = world(motion)
-    size = float(np.sqrt(places.var(axis=1).sum(axis=-1).mean()))
     last = motion.frames - 1
-    if last > 1 and _cycles.apart(places, 0, last, motion.frame_time) <= CLOSED * size:
+    if last > 1 and _cycles.apart(places, 0, last, motion.frame_time) <= CLOSED * _size(places):
         return 0.0, last * motion.frame_time
     return None, None
+
+
+def _size(places: np.ndarray) -> float:
+    """The deviation of the joints (F, J, 3) from their middle, root mean square."""
+    return float(np.sqrt(places.var(axis=1).sum(axis=-1).mean()))

@@ -19,7 +19,7 @@ from ..kinematics import world
 from ..motion import Clip, Motion
 from ..path import Fit, Path
 from ..path_files import as_json, of_json
-from ..path_fit import even, fitted, lead, roots
+from ..path_fit import fitted, gone, lead, roots
 from ..path_length import LengthTable
 from . import _bearing
 from ._along import ENDS, STRIDES, Course, Way, way
@@ -212,7 +212,7 @@ def _course(body: Motion, ahead: int, path: Path | None, of: Path | None) -> Cou
             return Course(own, own.table(), distance[ahead:])
     own = of or fitted(body, (path and path.fit) or Fit())
     table = own.table()
-    return Course(own, table, table.distance(even(body.frames)))
+    return Course(own, table, table.distance(gone(body)))
 
 
 def _found(
