@@ -102,7 +102,9 @@ def test_straight_up_there_is_a_heading_and_a_distance() -> None:
     places, headings = stairs.at(np.array([5, 35, 75]))
     np.testing.assert_allclose(places, [[0, 0, 5], [0, 25, 10], [0, 50, 25]], atol=1e-9)
     assert headings.tolist() == [0, 0, 0]
-    np.testing.assert_allclose(stairs.slope(np.array([5, 35, 75])), [0, np.pi / 2, 0], atol=1e-12)
+    np.testing.assert_allclose(
+        stairs.slope(stairs.table().parameter(np.array([5, 35, 75]))), [0, np.pi / 2, 0], atol=1e-12
+    )
 
 
 def test_a_path_without_length_is_a_place() -> None:

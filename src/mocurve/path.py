@@ -145,14 +145,14 @@ class Path:
         """From one end to the other along the curve, clip's length unit."""
         return self.table().length
 
-    def at(self, distance: float | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def at(self, distance: float | np.ndarray, table: LengthTable | None = None) -> tuple[np.ndarray, np.ndarray]:
         """Places (..., 2 or 3), as the points have them, and headings (...) at distances (...) from the beginning.
 
         A heading is in radians, from +z towards +x, continuous along the distances. Beyond both ends the path goes
         straight on. Where the curve stands still or goes straight up, the heading is that of the nearest place that
-        has one, and 0 where there is none.
+        has one, and 0 where there is none. table: of `table()`, where it is at hand.
         """
-        table = self.table()
+        table = table or self.table()
         distance = np.asarray(distance, np.float64)
         flat = distance.reshape(-1)
         if not np.isfinite(flat).all():
@@ -164,13 +164,6 @@ class Path:
         if out.any():
             places[out] += beyond[out, None] * self._direction(parameter[out])
         return places.reshape(*distance.shape, -1), self.heading(parameter).reshape(distance.shape)
-
-    def slope(self, distance: np.ndarray) -> np.ndarray:
-        """Radians (M,) by which a path with heights rises at distances (M,)."""
-        ahead = self.velocity(self.table().parameter(distance))
-        if ahead.shape[1] == 2:
-            return np.zeros(len(ahead))
-        return np.arctan2(ahead[:, 1], np.hypot(ahead[:, 0], ahead[:, 2]))
 
     def residuals(self, clip: Clip) -> np.ndarray:
         """How far (F,) the clip's root is from the path at every frame, clip's length unit.
@@ -210,6 +203,13 @@ class Path:
         if not moves.all():
             angle = np.where(moves, angle, self._nearest_heading(parameter))
         return np.unwrap(angle)
+
+    def slope(self, parameter: np.ndarray) -> np.ndarray:
+        """Radians (M,) by which a path with heights rises at parameters (M,)."""
+        ahead = self.velocity(parameter)
+        if ahead.shape[1] == 2:
+            return np.zeros(len(ahead))
+        return np.arctan2(ahead[:, 1], np.hypot(ahead[:, 0], ahead[:, 2]))
 
     def table(self) -> LengthTable:
         """Distances along the curve; what is asked for often is asked of one table."""

@@ -50,9 +50,9 @@ class Way:
     slower: float = 1.0
 
 
-def way(course: Course, path: Path, mode: str, at_end: str, frame_time: float) -> Way:
+def way(course: Course, path: Path, table: LengthTable, mode: str, at_end: str, frame_time: float) -> Way:
     """The way of a motion along a new path."""
-    table, count = path.table(), len(course.distance)
+    count = len(course.distance)
     if mode == "span":
         return _span(course, path, table)
     own, nothing = course.distance, np.zeros(count, bool)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,25 +14,35 @@ from ._pair import at_times
 from ._poses import Poses, motion_of, moved, poses_of
 
 
-def carried(motion: Motion, by: np.ndarray, lift: np.ndarray, pitch: np.ndarray, about: np.ndarray) -> Motion:
-    """The motion with its roots moved by planar transforms (F, 3), then lifted by (F,), then tilted.
+class Plan(NamedTuple):
+    """What is done to the roots of every frame: moved, then lifted, then tilted.
 
-    pitch: (F,) radians by which they lean back, about a level axis across their way. about: (F, 4) the place x, y, z
-    that the axis goes through, and the heading across which it lies. Frames for which nothing is asked keep their
-    channels to the last digit.
+    by:    (F, 3) planar transforms. lift: (F, 1) upwards. pitch: (F, 1) radians by which they lean back.
+    about: (F, 4) the place x, y, z of the level axis about which they lean, and the heading across which it lies.
     """
-    asked = np.flatnonzero(by.any(axis=1) | (lift != 0) | (pitch != 0))
+
+    by: np.ndarray
+    lift: np.ndarray
+    pitch: np.ndarray
+    about: np.ndarray
+
+
+def carried(motion: Motion, plan: Plan) -> Motion:
+    """The motion with its roots moved; frames for which nothing is asked keep their channels to the last digit."""
+    by, lift, pitch, about = plan
+    asked = np.flatnonzero(by.any(axis=1) | (lift[:, 0] != 0) | (pitch[:, 0] != 0))
     if not len(asked):
         return replace(motion, report=None)
     span = slice(int(asked[0]), int(asked[-1]) + 1)
     roots, columns = _roots(motion.skeleton)
     part = Motion(roots, motion.values[span][:, columns], motion.frame_time)
     poses = moved(poses_of(part), roots, by[span])
-    poses.shifts[:, roots.parents < 0, 1] += lift[span, None]
+    poses.shifts[:, roots.parents < 0, 1] += lift[span]
     if pitch.any():
         poses = _tilted(poses, roots, pitch[span], about[span])
     values = np.array(motion.values, order="F")
-    values[span, columns] = motion_of(poses, part).values
+    inside = asked - asked[0]
+    values[asked[:, None], columns] = motion_of(poses, part).values[inside]
     return replace(motion, values=values, report=None)
 
 
@@ -78,7 +89,7 @@ def _roots(skeleton: Skeleton) -> tuple[Skeleton, np.ndarray]:
 def _tilted(poses: Poses, skeleton: Skeleton, pitch: np.ndarray, about: np.ndarray) -> Poses:
     roots = skeleton.parents < 0
     across = np.stack([np.cos(about[:, 3]), np.zeros(len(about)), -np.sin(about[:, 3])], axis=1)
-    turn = rotation.exp(-pitch[:, None] * across)[:, None]
+    turn = rotation.exp(-pitch * across)[:, None]
     shifts, turned = poses.shifts.copy(), poses.turns.copy()
     middle = about[:, None, :3]
     shifts[:, roots] = middle + rotation.rotate(turn, shifts[:, roots] - middle)

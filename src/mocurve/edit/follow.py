@@ -23,7 +23,7 @@ from ..path_fit import fitted, gone, lead, roots
 from ..path_length import LengthTable
 from . import _bearing
 from ._along import ENDS, STRIDES, Course, Way, way
-from ._carry import at_frames, carried, laid
+from ._carry import Plan, at_frames, carried, laid
 from ._facing import progress
 from ._pair import check_mode, complete, recorded, tell_sampled
 from ._repeat import repeated
@@ -32,7 +32,8 @@ from ._seams import centimetres
 MODES = ("arclength", "time", "scaled", "span")
 HEADINGS = ("tangent", "facing")
 POSTURES = ("upright", "tangent")
-LOOKED_AT = 32  # frames, to see which way is up
+LOOKED_AT = 500  # frames, to tell how far the root is from its path
+UP = 8  # frames, to see which way that is
 NOTHING = 1e-10  # of the path's size: a frame that is moved by less stays where it is
 
 
@@ -140,15 +141,15 @@ def follow(
         start, ahead = start + ahead, 0  # a T-pose is no part of a cycle
     found, back = _found(body, course, given, table, (mode, at_end, heading))
     base = at_frames(body, found.frame)
-    plan = _planned(base, course, given, found, back, posture)
-    made = carried(base, *plan)
+    plan = _planned(base, course, given, table, found, back, posture)
+    made = carried(base, plan)
     frames = found.frame if every == body.frames else np.mod(found.frame, every)
     cycle = found.cycle if every == body.frames else (found.frame // every).astype(np.int64)
     rows = {"frame": frames + start + ahead, "cycle": cycle, "distance": found.distance}
     if ahead:
-        made = _with_lead(made, motion[:ahead], [part[:1] for part in plan])
+        made = _with_lead(made, motion[:ahead], Plan(*(part[:1] for part in plan)))
         rows = {name: np.concatenate([row[:1] if name != "frame" else [0], row]) for name, row in rows.items()}
-    measured = _measured(motion, base, course, table, found, plan[0], rows)
+    measured = _measured(motion, base, course, table, found, plan.by, rows)
     _tell(measured)
     step: dict[str, Any] = {"verb": "follow", "path": as_json(given), "mode": mode, "at_end": at_end}
     step |= {"heading": heading}
@@ -197,7 +198,7 @@ def _check(mode: str, at_end: str, heading: str, posture: str, of: Path | None) 
 
 
 def _tell_up(motion: Motion) -> None:
-    frames = np.unique(np.linspace(0, motion.frames - 1, LOOKED_AT).astype(int))
+    frames = np.unique(np.linspace(0, motion.frames - 1, UP).astype(int))
     if z_is_up(world(replace(motion, values=motion.values[frames], report=None))):
         warnings.warn("the body seems to stand along z: a path lies on the ground x, z, with y up", stacklevel=3)
 
@@ -221,62 +222,58 @@ def _found(
     """The way along the path, and which frames (G,) of it go backwards."""
     mode, at_end, heading = options
     if heading == "tangent":
-        found = way(course, path, mode, at_end, body.frame_time)
+        found = way(course, path, table, mode, at_end, body.frame_time)
         return found, np.zeros(len(found.frame), bool)
     distance, back = progress(body, course, path, table, _bearing.gate(body)[0])
     signed = replace(course, distance=distance)
-    found = way(signed, path, mode, at_end, body.frame_time)
+    found = way(signed, path, table, mode, at_end, body.frame_time)
     frames = found.frame.astype(np.int64)
     return replace(found, own=course.distance[frames]), back[frames]
 
 
 def _planned(
-    base: Motion, course: Course, path: Path, found: Way, back: np.ndarray, posture: str
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """What is done to the root of every frame (G,), as `carried` takes it."""
-    (old, old_heading), (new, new_heading) = course.path.at(found.own), path.at(found.distance)
-    turn = _turned(base, course, path, found, old_heading, new_heading + np.pi * back)
+    base: Motion, course: Course, path: Path, table: LengthTable, found: Way, back: np.ndarray, posture: str
+) -> Plan:
+    """What is done to the root of every frame (G,); nothing to those that are kept."""
+    some = np.flatnonzero(~found.kept)
+    plan = Plan(*(np.zeros((len(found.kept), width)) for width in (3, 1, 1, 4)))
+    if not len(some):
+        return plan
+    own, distance = found.own[some], found.distance[some]
+    (old, old_heading), (new, new_heading) = course.path.at(own, course.table), path.at(distance, table)
+    turn = np.zeros(len(some))
+    if course.table.length > 0 and table.length > 0:
+        turn = _turned(base, found, some, old_heading, new_heading + np.pi * back[some])
     by = laid(turn, old[:, [0, -1]], new[:, [0, -1]])
-    high = old.shape[1] == new.shape[1] == 3
-    lift = new[:, 1] - old[:, 1] if high else new[:, 1] if new.shape[1] == 3 else np.zeros(len(by))
-    pitch = np.zeros(len(by))
-    if posture == "tangent" and new.shape[1] == 3:
-        pitch = path.slope(found.distance) - (course.path.slope(found.own) if high else 0.0)
-    size = max(float(np.ptp(path.points, axis=0).max()), course.table.length)
-    none = found.kept | ((np.abs(by).max(axis=1) <= NOTHING * (1.0 + size)) & (np.abs(lift) <= NOTHING * (1.0 + size)))
-    about = np.stack([new[:, 0], new[:, 1] if new.shape[1] == 3 else lift, new[:, -1], new_heading], axis=1)
-    return (
-        np.where(none[:, None], 0.0, by),
-        np.where(none, 0.0, lift),
-        np.where(found.kept | (np.abs(pitch) < NOTHING), 0.0, pitch),
-        about,
-    )
+    rises, rose = new.shape[1] == 3, old.shape[1] == 3
+    lift = (new[:, 1] if rises else 0.0) - (old[:, 1] if rises and rose else 0.0) + np.zeros(len(some))
+    pitch = np.zeros(len(some))
+    if posture == "tangent" and rises:
+        pitch = path.slope(table.parameter(distance)) - course.path.slope(course.table.parameter(own))
+    near = NOTHING * (1.0 + max(table.length, course.table.length))
+    same = (np.abs(by).max(axis=1, initial=0.0) <= near) & (np.abs(lift) <= near) & (np.abs(pitch) <= NOTHING)
+    about = np.stack([new[:, 0], new[:, 1] if rises else lift, new[:, -1], new_heading], axis=1)
+    for whole, part in zip(plan, (by, lift[:, None], pitch[:, None], about), strict=True):
+        whole[some] = np.where(same[:, None], 0.0, part)
+    return plan
 
 
-def _turned(base: Motion, course: Course, path: Path, found: Way, old: np.ndarray, new: np.ndarray) -> np.ndarray:
-    """Radians (G,) by which the body is turned."""
+def _turned(base: Motion, found: Way, some: np.ndarray, old: np.ndarray, new: np.ndarray) -> np.ndarray:
+    """Radians (S,) by which the body is turned at some frames (S,)."""
     limits, width = _bearing.gate(base), _bearing.WIDTH / base.frame_time
-    moves = [_bearing.speeds(d, found.cycle, base.frame_time) for d in (found.own, found.distance)]
+    moves = [_bearing.speeds(d[some], found.cycle[some], base.frame_time) for d in (found.own, found.distance)]
     speed = np.sqrt(moves[0] * moves[1])  # of both alike, so that the way back is weighted as the way there
-    turn = np.zeros(len(old))
-    if not course.table.length > 0 or not path.length > 0:
-        return turn
-    changed = ~found.kept
-    if found.kept.any():
-        for run in _bearing.runs(changed):
-            if changed[run.start]:
-                held = (run.start > 0, run.stop < len(turn))
-                turn[run] = _bearing.turns(old[run], new[run], speed[run], limits, width, held)
-        return turn
-    for run in _bearing.runs(found.cycle):
-        turn[run] = _bearing.turns(old[run], new[run], speed[run], limits, width)
+    turn = np.zeros(len(some))
+    for run in _bearing.runs(found.cycle[some]):
+        before, after = some[run.start] - 1, some[run.stop - 1] + 1
+        held = before >= 0 and bool(found.kept[before]), after < len(found.kept) and bool(found.kept[after])
+        turn[run] = _bearing.turns(old[run], new[run], speed[run], limits, width, held)
     return turn
 
 
-def _with_lead(made: Motion, first: Motion, plan: list[np.ndarray]) -> Motion:
+def _with_lead(made: Motion, first: Motion, plan: Plan) -> Motion:
     """The T-pose in front again, moved as the first frame is."""
-    by, lift, pitch, about = plan
-    values = np.concatenate([carried(first, by, lift, pitch, about).values, made.values])
+    values = np.concatenate([carried(first, plan).values, made.values])
     return replace(made, values=values)
 
 
@@ -285,8 +282,9 @@ def _measured(
 ) -> Following:
     length = centimetres(motion)
     scale = length or 1.0
-    place = course.path.at(found.own)[0][:, [0, -1]]
-    away = np.linalg.norm(roots(base)[:, [0, 2]] - place, axis=1)
+    some = np.arange(0, base.frames, max(1, base.frames // LOOKED_AT))
+    place = course.path.at(found.own[some], course.table)[0][:, [0, -1]]
+    away = np.linalg.norm(roots(base)[some][:, [0, 2]] - place, axis=1)
     moved = np.flatnonzero(by.any(axis=1))
     ahead = len(rows["frame"]) - len(by)
     return Following(
