@@ -11,9 +11,9 @@ from ..edit import follow as following
 from ..formats import read
 from ..path import Path
 from ._edits import Edited, Lossless, Output, check_files, finish
-from ._options import Html, Json, Profile, Source, Unit, check_outputs, with_options_of
+from ._options import Html, Json, Profile, Source, Unit, with_options_of
 from ._terminal import told_when_compiling
-from .path import Picture, draw
+from .path import Picture, check_pictures, draw
 
 Along = Annotated[File, Parameter(name="--path", help="The path: .csv, .json or .svg, in the clip's length unit.")]
 Of = Annotated[
@@ -51,8 +51,7 @@ def follow(
       mocurve follow walk.bvh --path moved.csv -o moved.bvh --mode span
     """
     check_files(output, file, path)
-    for target in (html, picture):
-        check_outputs(file, target)
+    check_pictures(file, html, picture)
     clip = read(file, unit=unit)
     new, own = Path.read(path), None if of is None else Path.read(of)
     made = following.follow(clip, new, of=own, **options)

@@ -11,6 +11,7 @@ from cyclopts import Parameter
 
 from .. import draw_path
 from ..edit._seams import centimetres
+from ..errors import OptionError
 from ..formats import read
 from ..motion import Clip
 from ..path import Path
@@ -68,7 +69,8 @@ def path(
       mocurve path jump.bvh -o path.svg --picture path.png
       mocurve path jump.bvh -o path.json --kind polynomial --degree 20 --json
     """
-    check_outputs(file, output, html, picture)
+    check_outputs(file, output)
+    check_pictures(file, html, picture)
     extension(output)  # refused before work is done
     clip = read(file, unit=unit)
     made = Path.of(clip, **options)
@@ -76,6 +78,14 @@ def path(
     made.write(output)
     draw(clip, made, html, picture, str(found))
     tell(found, json, output, html, picture)
+
+
+def check_pictures(source: File, html: File | None, picture: File | None) -> None:
+    """Refused before work is done: a picture that is none, or over the clip."""
+    check_outputs(source, html, picture)
+    for target, what, kind in ((html, "page", ".html"), (picture, "picture", ".png")):
+        if target is not None and target.suffix.lower() != kind:
+            raise OptionError(f"{target}: the extension of a {what} is {kind}, not {target.suffix!r}")
 
 
 def fitted(made: Path, clip: Clip) -> Fitted:
