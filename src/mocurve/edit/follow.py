@@ -76,7 +76,8 @@ class Following:
         if self.beyond > 0.001 * self.length:
             lines.append(f"the path is shorter than that: {self.beyond:.4g} {self.unit} lie straight on behind its end")
         if self.stride != 1.0:
-            lines.append(f"in the edited span strides are {self.stride:.3g} times as long and take {self.slower:.3g}")
+            time = "" if self.slower == 1.0 else f" and take {self.slower:.3g} times the time"
+            lines.append(f"in the edited span strides are {self.stride:.3g} times as long{time}")
         changed = "nothing" if self.first is None else f"frames {self.first} to {self.last}"
         return "\n".join([*lines, f"changed: {changed}, turned by up to {self.turned:.3g} degrees"])
 
