@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from .. import planar, rotation
-from ..contacts import SPEED, planted
+from ..feet.planted import SPEED, planted
 from ..errors import OptionError, UnknownName
 from ..info import first_frame_is_t_pose
 from ..kinematics import rest_height, world

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..contacts import planted
+from ..feet.planted import planted
 from ..errors import Mismatch, OptionError, UnknownName
 from ..keyed import HermiteCurve, KeyedMotion
 from ..kinematics import world
