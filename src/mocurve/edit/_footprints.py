@@ -17,7 +17,7 @@ from ._hinge import Hinge
 from ._stances import GROUND, Stances
 from ._swings import filled
 
-MOVES = 6.0  # cm that a footprint may move to relieve its knee
+LEAST, MOVES = 1.0, 6.0  # cm that a footprint may move to relieve its knee: evenly carried, and unevenly
 BENDS = np.radians(6.0)  # flexion that is as bad
 
 
@@ -94,7 +94,7 @@ def relieved(
         np.bincount(stances.of[inside], part, len(prints.taken))
         for part in (gx * gx, gx * gz, gz * gz, -gx * off, -gz * off, np.ones(len(inside)))
     )
-    free = np.minimum(MOVES, prints.uneven)
+    free = np.clip(prints.uneven, LEAST, MOVES)
     ridge = (BENDS / np.maximum(free, 1e-6)) ** 2 * count
     xx, zz = xx + ridge, zz + ridge
     size = xx * zz - xz * xz

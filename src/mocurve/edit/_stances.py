@@ -19,7 +19,7 @@ from ._poses import smooth
 from ._swings import filled
 
 STILL = 0.01  # cm and cm/s: a ball that moves less while it stands is held already, and stays as it is
-DIE = 0.12  # seconds within which speeds of the source's sliding die out of a swing
+DIE = 0.08  # seconds within which speeds of the source's sliding die out of a swing
 NEAR, FAR = 0.10, 0.35  # seconds from a contact: the leg reaches exactly; the pelvis minds the knee
 FLOOR, ROUND = np.radians(7.0), np.radians(3.0)  # flexion of the knee that is wanted at least, and how softly
 GROUND = [0, 2]

@@ -45,10 +45,9 @@ def skate(
     source: Motion | None = None,
     speed: float = 15.0,
 ) -> Skate | None:
-    """How feet slide in these contacts; None where there are none. `source` is what the contacts were found in, by
+    """How feet slide in these contacts; None where there are no two frames of one. `source` is what the contacts were found in, by
     default the motion itself: heights in contact are compared with it. speed: as that of `contacts`.
 
-    A frame's speed is that of the step to the next frame of the contact.
     """
     scale, names = centimetres(motion), motion.skeleton.names
     points = _points(motion, both)
@@ -59,13 +58,13 @@ def skate(
         track = scale * points[contact.joint][span]
         own = scale * heights[contact.joint][span, 1]
         steps = np.linalg.norm(np.diff(track[:, ::2], axis=0), axis=1) / motion.frame_time
-        steps = np.append(steps, steps[-1:]) if len(steps) else np.zeros(1)
         speeds.append(steps)
         middle = track[:, ::2].mean(axis=0)
         drifts.append(np.linalg.norm(track[:, ::2] - middle, axis=1).max())
-        kept.append((steps < LEAVING * speed) & (np.abs(track[:, 1] - own) < LIFTED))
+        slow = np.append(steps, steps[-1:]) < LEAVING * speed if len(steps) else np.ones(1, bool)
+        kept.append(slow & (np.abs(track[:, 1] - own) < LIFTED))
         away.append(track[:, 1] - own.mean())
-    if not speeds:
+    if not any(map(len, speeds)):
         return None
     above = np.concatenate(away)
     return Skate(
