@@ -17,7 +17,8 @@ from ..motion import Clip, Motion
 from .legs import Leg, centimetres, legs, tracks
 
 LEAVING = 2.0  # times the speed at which a contact begins: where it ends
-FLOOR = 5.0  # percent of the frames are lower than what is a joint's own floor
+FLOOR = 5.0  # percent of the frames are lower than where the search for a joint's own floor begins
+TILT, BANDS = 0.03, (3.0, 3.0, 2.0, 1.5, 1.0, 1.0)  # usual slope of a floor; heights within which it is looked for
 SMOOTH = 0.04  # seconds over which speeds are taken
 GAP, LEAST = 0.05, 0.1  # seconds: gaps that are closed, contacts that are too short
 HELD = 0.05  # cm/s: no captured foot is so still for the least time; one that is has been locked
@@ -55,8 +56,8 @@ def contacts(
         Centimetres a second: slower than this, averaged over 40 ms, a foot comes to stand; it leaves at twice the
         speed. Walks 15, runs 45.
     height
-        Centimetres above the joint's own floor (of what 5 % of its frames are below) that a standing foot may be. On
-        stairs and slopes more than their rise.
+        Centimetres above the joint's own floor that a standing foot may be. The floor is a plane through the places
+        where the joint is slow and low; it may slope. On stairs more than their rise.
 
     Gaps shorter than 50 ms are closed, contacts shorter than 100 ms left out. Where a foot is held perfectly still, as
     after `lock_feet`, the contact is exactly that. Errors: Mismatch where there are no two legs or samples are missing,
@@ -130,7 +131,7 @@ def _standing(
     ahead = np.minimum(np.arange(len(track)) + half, len(track) - 1)
     behind = np.maximum(np.arange(len(track)) - half, 0)
     pace = np.linalg.norm(track[ahead] - track[behind], axis=1) / ((ahead - behind) * frame_time)
-    above = track[:, 1] - np.percentile(track[:, 1], FLOOR)
+    above = track[:, 1] - _floor(track, track[pace < speed], height)
     comes, goes = (pace < speed) & (above < height), (pace > LEAVING * speed) | (above > LEAVING * height)
     # the last of both that happened decides; before any, the foot does not stand
     last = np.maximum.accumulate(np.where(comes | goes, np.arange(len(track)), -1))
@@ -148,6 +149,21 @@ def _standing(
         for first, end in (_held(track, span, frame_time) if held else [span])
         if (end - first) * frame_time >= LEAST
     ]
+
+
+def _floor(track: np.ndarray, slow: np.ndarray, height: float) -> np.ndarray:
+    """Height (F,) of the floor under a point (F, 3): a plane through its slow places (N, 3), looked for in bands that
+    narrow around it, so that a foot that is held up does not lift it. A floor is level unless places say otherwise."""
+    middle = slow.mean(axis=0) if len(slow) else np.zeros(3)
+    plane = np.array([np.percentile(track[:, 1], FLOOR), 0.0, 0.0])
+    at = np.column_stack([np.ones(len(slow)), slow[:, ::2] - middle[::2]])
+    for band in BANDS:
+        low = np.abs(slow[:, 1] - at @ plane) < band * height
+        if low.sum() < 3:
+            break
+        level = np.diag([0.0, *np.full(2, (0.1 * low.sum() / 3.0 + 1.0) * TILT**-2.0)])
+        plane = np.linalg.solve(at[low].T @ at[low] + level, at[low].T @ slow[low, 1])
+    return plane[0] + (track[:, ::2] - middle[::2]) @ plane[1:]
 
 
 def _held(track: np.ndarray, span: list[int], frame_time: float) -> list[list[int]]:
