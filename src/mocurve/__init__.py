@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .errors import FileError, Mismatch, MocurveError, OptionError, UnknownName
+    from .feet.contacts import Contact
     from .keyed import HermiteCurve, KeyedMotion
     from .motion import Clip, Motion, unroll
     from .skeleton import Skeleton
@@ -43,6 +44,9 @@ _HOME = {
     "loop": "edit.loop",
     "join": "edit.join",
     "register": "edit.register",
+    "Contact": "feet.contacts",
+    "contacts": "feet.contacts",
+    "lock_feet": "edit.lock_feet",
     "render": "draw",
 }
 __all__ = ["__version__", *_HOME]

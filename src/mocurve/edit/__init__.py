@@ -15,4 +15,5 @@ VERBS = {
     "loop": "loop",
     "join": "join",
     "register": "register",
+    "lock_feet": "lock_feet",
 }

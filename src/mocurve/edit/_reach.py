@@ -1,4 +1,4 @@
-"""What locked feet took, and where it was too much: how many frames, by how much, and which stride would mend it."""
+"""What locked feet took, and where it was too much: by how much, in which frames, and which stride would mend it."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .. import planar
+from ..errors import OptionError
 from ..feet.contacts import runs
 from ..feet.legs import Leg
 from ..kinematics import world
@@ -24,14 +24,16 @@ SAID = {
     "miss": "a standing foot is {value:.1f} cm out of reach (most {limit:g})",
     "short": "a swinging foot falls {value:.1f} cm short (most {limit:g})",
 }
-USUAL_STRETCH = 1.15  # strides up to so much longer than the source's can be reached
-AROUND = 0.5  # seconds on both sides over which the stretch of the way is measured
+GROWS = {"drop": 11.0, "shift": 22.0, "miss": 11.0, "short": 22.0}  # cm more for steps twice as long (benchmarks/feet.py)
+SHORTEST = 0.4  # times as long: shorter steps than that are another motion
+APART = 0.5  # seconds: spans nearer than that are told as one
+TOLD = 3  # problems in one sentence
 
 
 @dataclass(frozen=True)
 class Problem:
-    """Too much of something: which of LIMITS, its value there, first and last frame of the worst span, and how many times
-    as long as they are the steps there should be, or None where that would not help."""
+    """Too much of something: which of LIMITS, its largest value in a span, first and last frame of that, and how many times
+    as long as they are the steps there should be; None where that would not help."""
 
     kind: str
     value: float
@@ -42,16 +44,16 @@ class Problem:
     def sentence(self, frame_time: float) -> str:
         """What is wrong and where, in words."""
         told = SAID[self.kind].format(value=self.value, limit=LIMITS[self.kind])
-        mend = "" if self.stride is None else f"; steps {self.stride:.2f} times as long there would do"
+        mend = "" if self.stride is None else f"; steps {self.stride:.2f} times as long would do"
         where = f"frames {self.first} to {self.last}, {self.first * frame_time:.2f} to {self.last * frame_time:.2f} s"
-        return f"{told} ({where}){mend}"
+        return f"{told} at {where}{mend}"
 
 
 @dataclass(frozen=True)
 class Strain:
     """What locked feet took, cm and degrees, largest over all frames.
 
-    stances: how many. changed: of them. frames: that may differ from the source.
+    stances: how many. changed: how many of them were not held as they are.
     drop:  how far the body sinks. shift: how far it goes over the ground. twist: how far it is turned against a standing
     foot, more than in the source. miss: how far a standing ball is from its place. short: how far a swinging ankle is
     from where it was meant to be.
@@ -92,13 +94,25 @@ class Strain:
             tracks["twist"] = np.maximum(tracks["twist"], np.where(held, turned, 0.0))
             tracks["short"] = np.maximum(tracks["short"], np.where(stance.of < 0, np.abs(lacking), 0.0))
         found = {kind: float(max(track.max(initial=0.0), 0.0)) for kind, track in tracks.items()}
+        even = np.abs(np.diff(carry, axis=0)).max(initial=0.0) < 1e-9
         problems = [
-            _problem(kind, track, scale * places, shift, carry, made.frame_time)
+            problem
             for kind, track in tracks.items()
             if found[kind] > LIMITS[kind]
+            for problem in _problems(kind, track, even, made.frame_time)
         ]
-        some = [int(held[stance.spans[:, 0]].sum()) if len(stance.spans) else 0 for stance, held in zip(stood, changed, strict=True)]
-        return cls(sum(len(s.spans) for s in stood), sum(some), **found, problems=tuple(problems))
+        problems.sort(key=lambda problem: -problem.value / LIMITS[problem.kind])
+        spans = [stance.spans for stance in stood]
+        some = sum(int(held[starts[:, 0]].sum()) for starts, held in zip(spans, changed, strict=True))
+        return cls(sum(map(len, spans)), some, **found, problems=tuple(problems))
+
+    def refuse(self, frame_time: float, mend: str) -> None:
+        """OptionError with the worst problems, if there are any, and what can be done instead."""
+        if self.problems:
+            told = [problem.sentence(frame_time) for problem in self.problems[:TOLD]]
+            more = len(self.problems) - len(told)
+            rest = f"; and {more} more such span{'' if more == 1 else 's'}" if more else ""
+            raise OptionError(f"feet cannot be held: {'; '.join(told)}{rest}. {mend}")
 
     def later(self, frames: int) -> Strain:
         """The same of a clip with so many frames in front."""
@@ -109,19 +123,22 @@ class Strain:
 # -- in call order ---------------------------------------------------------------------------------
 
 
-def _problem(
-    kind: str, track: np.ndarray, places: np.ndarray, shift: np.ndarray, carry: np.ndarray, frame_time: float
-) -> Problem:
-    worst = int(np.argmax(track))
-    first, last = next((a, b - 1) for a, b in runs(track > LIMITS[kind]) if a <= worst < b)
-    value = float(track[worst])
-    if kind == "twist":  # it grows with the step
-        return Problem(kind, value, int(first), int(last), LIMITS[kind] / value)
-    around = round(AROUND / frame_time)
-    span = slice(max(int(first) - around, 0), int(last) + around + 1)
-    now = places[span, 0] - shift[span]
-    before = planar.move(planar.inverse(carry[span]), now)
-    ways = [np.linalg.norm(np.diff(track[:, [0, 2]], axis=0), axis=1).sum() for track in (now, before)]
-    stretch = ways[0] / ways[1] if ways[1] > 0 else 1.0
-    stride = USUAL_STRETCH / stretch if stretch > 1.01 * USUAL_STRETCH else None
-    return Problem(kind, value, int(first), int(last), stride)
+def _problems(kind: str, track: np.ndarray, even: bool, frame_time: float) -> list[Problem]:
+    """The spans in which a track (F,) is beyond its limit. even: whether all frames are carried alike; then the steps are
+    as long as they ever were."""
+    spans: list[tuple[int, int]] = []
+    for first, end in runs(track > LIMITS[kind]).tolist():
+        if spans and (first - spans[-1][1]) * frame_time < APART:
+            first = spans.pop()[0]
+        spans.append((first, end))
+    values = [float(track[first:end].max()) for first, end in spans]
+    return [
+        Problem(kind, value, first, end - 1, None if even else _stride(kind, value))
+        for value, (first, end) in zip(values, spans, strict=True)
+    ]
+
+
+def _stride(kind: str, value: float) -> float:
+    """How many times as long the steps should be. The turn of a foot grows as the step, the others' growth is known."""
+    limit = LIMITS[kind]
+    return max(SHORTEST, limit / value if kind == "twist" else 1.0 - (value - limit) / GROWS[kind])

@@ -65,9 +65,7 @@ def contacts(
 
     >>> [(c.joint, c.first, c.last) for c in mc.contacts(mc.read("walk.bvh"))]
     """
-    for name, value in (("speed", speed), ("height", height)):
-        if not (isinstance(value, int | float) and np.isfinite(value) and value > 0):
-            raise OptionError(f"{name} is a positive number, not {value!r}")
+    positive(speed=speed, height=height)
     motion = clip.sample()
     _complete(motion)
     return found(motion, legs(motion, feet), speed, height)
@@ -104,6 +102,13 @@ def read_contacts(
         if one.joint == after.joint and after.first <= one.last:
             raise OptionError(f"two contacts of {one.joint!r} share frame {after.first}")
     return tuple(sorted(listed, key=lambda contact: (contact.first, contact.joint)))
+
+
+def positive(**numbers: float) -> None:
+    """OptionError for a number that is not above zero."""
+    for name, value in numbers.items():
+        if isinstance(value, bool) or not isinstance(value, int | float) or not (np.isfinite(value) and value > 0):
+            raise OptionError(f"{name} is a positive number, not {value!r}")
 
 
 def runs(mask: np.ndarray) -> np.ndarray:
