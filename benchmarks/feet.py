@@ -1,5 +1,5 @@
-"""Captured walks and runs laid on other paths with their feet locked: how still the feet stand, how calm knees, ankles and
-pelvis stay, and what it took.
+"""Captured walks and runs laid on other paths with their feet locked: how still the feet stand, how calm knees, ankles
+and pelvis stay, and what it took.
 
 python feet.py [--only 12_01]
 """
@@ -36,9 +36,7 @@ CLIPS = {  # name: file, speed below which a foot comes to stand, cm/s
     "02_03": ("cmu_02_03.amc", 45.0),
 }
 STALL = 20.0  # cm/s: slower, the way has no heading of its own
-COLUMNS = (
-    "skate re-det    tip  ankle   heel kept% | knee  p99   rot   lin  pelv | drop shift twist  miss short   gap"
-)
+COLUMNS = "skate re-det    tip  ankle   heel kept% | knee  p99   rot   lin  pelv | drop shift twist  miss short   gap"
 
 
 def clip(name: str) -> mc.Motion:
@@ -103,8 +101,8 @@ def quickening(turns: np.ndarray) -> np.ndarray:
 
 
 def joints_calm(motion: mc.Motion, both: tuple[Leg, ...]) -> np.ndarray:
-    """Largest and 99th percentile of the knees' angular acceleration, largest of the ankles', and of the ankles' and the
-    root's linear one."""
+    """Largest and 99th percentile of the knees' angular acceleration, largest of the ankles', and of the ankles' and
+    the root's linear one."""
     turned, places = kinematics.rotations(motion), kinematics.world(motion)
     knees = np.concatenate([quickening(turned[:, leg.knee]) for leg in both])
     ankles = np.concatenate([quickening(turned[:, leg.ankle]) for leg in both])
@@ -122,8 +120,8 @@ def gap(motion: mc.Motion, both: tuple[Leg, ...]) -> float:
 
 
 def sliding(motion: mc.Motion, source: mc.Motion, listed: tuple, both: tuple[Leg, ...], speed: float) -> list[float]:
-    """Mean speeds, cm/s: of the ball, of ball contacts found anew, of toe tip and ankle while the ball stands, of the heel
-    while it stands; and the part of the contact that is kept, percent."""
+    """Mean speeds, cm/s: of the ball, of ball contacts found anew, of toe tip and ankle while the ball stands, of the
+    heel while it stands; and the part of the contact that is kept, percent."""
     names = motion.skeleton.names
     balls = [c for c in listed if c.joint in {names[leg.ball] for leg in both}]
     heels = [c for c in listed if c.joint not in {names[leg.ball] for leg in both}]
@@ -148,7 +146,9 @@ def sliding(motion: mc.Motion, source: mc.Motion, listed: tuple, both: tuple[Leg
 def row(name: str, path: str, slide: list[float], calm: np.ndarray, strain: Strain, between: float) -> str:
     first = f"{slide[0]:6.3f}{slide[1]:7.2f}{slide[2]:7.2f}{slide[3]:7.2f}{slide[4]:7.2f}{slide[5]:6.1f}"
     second = "".join(f"{value:6.2f}" for value in calm)
-    third = f"{strain.drop:6.2f}{strain.shift:6.2f}{strain.twist:6.1f}{strain.miss:6.3f}{strain.short:6.2f}{between:6.1f}"
+    third = (
+        f"{strain.drop:6.2f}{strain.shift:6.2f}{strain.twist:6.1f}{strain.miss:6.3f}{strain.short:6.2f}{between:6.1f}"
+    )
     return f"{name:7}{path:10}{first} |{second} |{third}"
 
 

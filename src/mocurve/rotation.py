@@ -141,8 +141,8 @@ def unroll_euler(degrees: np.ndarray, order: str) -> np.ndarray:
 
 
 def near_euler(degrees: np.ndarray, order: str, to: np.ndarray) -> np.ndarray:
-    """The same rotations (F, n), degrees, each written as near as it can be to other angles (F, n): with whole turns, and
-    as the other Euler triple where that is nearer."""
+    """The same rotations (F, n), degrees, each written as near as it can be to other angles (F, n): with whole turns,
+    and as the other Euler triple where that is nearer."""
     degrees, to = _checked(degrees, order), _checked(to, order)
     near = degrees - 360.0 * np.rint((degrees - to) / 360.0)
     if len(order) != 3 or order[1] in (order[0], order[2]):

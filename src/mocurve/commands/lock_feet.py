@@ -17,7 +17,8 @@ from ._options import Json, Profile, Source, Unit, with_options_of
 from ._terminal import told_when_compiling
 
 Contacts = Annotated[
-    Path | None, Parameter(help="When and where feet stand: what mocurve contacts --json printed, changed by hand or not.")
+    Path | None,
+    Parameter(help="When and where feet stand: what mocurve contacts --json printed, changed by hand or not."),
 ]
 
 

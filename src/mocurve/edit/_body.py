@@ -23,7 +23,7 @@ def carried(motion: Motion, carry: np.ndarray) -> Motion:
     if not carry.any():
         return motion
     skeleton, values = motion.skeleton, np.array(motion.values, order="F")
-    moves, turns = carry.any(axis=1), carry[:, 0] != 0
+    moves, turns = np.flatnonzero(carry.any(axis=1)), carry[:, 0] != 0
     for root in np.flatnonzero(skeleton.parents < 0).tolist():
         if root not in skeleton.parents and not skeleton.channels[root]:
             continue
@@ -31,15 +31,19 @@ def carried(motion: Motion, carry: np.ndarray) -> Motion:
         shifts = shifting(skeleton, root)
         lacking = "position" if shifts is None else "rotation" if turns.any() and len(columns) < 3 else None
         if lacking is not None and root in skeleton.parents:
-            raise Mismatch(f"the root {skeleton.names[root]!r} lacks {lacking} channels, so it cannot be taken elsewhere")
+            raise Mismatch(
+                f"the root {skeleton.names[root]!r} lacks {lacking} channels, so it cannot be taken elsewhere"
+            )
         if shifts is not None:
-            values[np.ix_(moves, shifts)] = planar.move(carry[moves], motion.values[np.ix_(moves, shifts)])
+            values[moves[:, None], shifts] = planar.move(carry[moves], values[moves[:, None], shifts])
         if len(columns) < 3:
             continue
         turned = rotation.mul(planar.quaternion(carry), rotation.from_euler(motion.values[:, columns], order))
         angles = rotation.to_euler(turned, order)
         if (rotation.angle(rotation.from_euler(angles, order), turned) > EXPRESSIBLE_DEGREES).any():
-            raise Mismatch(f"the rotation channels of the root {skeleton.names[root]!r} cannot turn it about the vertical")
+            raise Mismatch(
+                f"the rotation channels of the root {skeleton.names[root]!r} cannot turn it about the vertical"
+            )
         for first, end in runs(turns):
             before = values[max(first - 1, 0), columns]
             values[first:end, columns] = rotation.unroll_euler(np.vstack([before, angles[first:end]]), order)[1:]
@@ -60,7 +64,9 @@ def bearer(skeleton: Skeleton, joint: int) -> int:
         if shifting(skeleton, place) is not None:
             return place
         place = int(skeleton.parents[place])
-    raise Mismatch(f"no joint above {skeleton.names[joint]!r} has position channels: the body cannot be moved to its feet")
+    raise Mismatch(
+        f"no joint above {skeleton.names[joint]!r} has position channels: the body cannot be moved to its feet"
+    )
 
 
 def set_anew(
@@ -77,10 +83,10 @@ def set_anew(
     if parent >= 0:
         above = world_rotations(replace(motion, values=motion.values[frames]), [parent])[:, 0]
         shift = rotation.rotate(rotation.inv(above), shift)
-    values[np.ix_(frames, columns)] += shift
+    values[frames[:, None], columns] += shift
     for place, wxyz in turns.items():
         own, order = skeleton.eulers[place]
         if own:
-            at = np.ix_(frames, own)
-            values[at] = rotation.near_euler(rotation.to_euler(wxyz, order), order, values[at])
+            before = values[frames[:, None], own]
+            values[frames[:, None], own] = rotation.near_euler(rotation.to_euler(wxyz, order), order, before)
     return replace(motion, values=values, report=None)

@@ -20,8 +20,12 @@ ALONE = 40.0  # cm: feet that are never nearer do not pass
 
 
 def cleared(
-    own: Targets, other: Targets, middles: tuple[np.ndarray, np.ndarray], stances: tuple[Stances, Stances],
-    heading: np.ndarray, frame_time: float,
+    own: Targets,
+    other: Targets,
+    middles: tuple[np.ndarray, np.ndarray],
+    stances: tuple[Stances, Stances],
+    heading: np.ndarray,
+    frame_time: float,
 ) -> Targets:
     """Targets of one leg that keep away from those of the other. middles: of both feet in the source (F, 3), cm;
     stances: of both legs; heading: (F,) by how much the body is turned."""

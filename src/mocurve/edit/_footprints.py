@@ -18,6 +18,7 @@ from ._stances import GROUND, Stances
 from ._swings import filled
 
 LEAST, MOVES = 1.0, 6.0  # cm that a footprint may move to relieve its knee: evenly carried, and unevenly
+STAYS = 1e-6  # cm, where somebody said the place
 BENDS = np.radians(6.0)  # flexion that is as bad
 
 
@@ -56,9 +57,7 @@ def prints(stances: Stances, carry: np.ndarray) -> Prints:
     return Prints(taken, uneven)
 
 
-def targets(
-    stances: Stances, prints: Prints, carry: np.ndarray, offset: np.ndarray, frame_time: float
-) -> Targets:
+def targets(stances: Stances, prints: Prints, carry: np.ndarray, offset: np.ndarray, frame_time: float) -> Targets:
     """Where the foot is to be in every frame. offset: (F, 3) from ball to ankle in the source."""
     pinned = stances.pinned
     inside = stances.of >= 0
@@ -94,8 +93,8 @@ def relieved(
         np.bincount(stances.of[inside], part, len(prints.taken))
         for part in (gx * gx, gx * gz, gz * gz, -gx * off, -gz * off, np.ones(len(inside)))
     )
-    free = np.clip(prints.uneven, LEAST, MOVES)
-    ridge = (BENDS / np.maximum(free, 1e-6)) ** 2 * count
+    free = np.where(stances.placed, STAYS, np.clip(prints.uneven, LEAST, MOVES))
+    ridge = (BENDS / free) ** 2 * count
     xx, zz = xx + ridge, zz + ridge
     size = xx * zz - xz * xz
     taken = prints.taken.copy()

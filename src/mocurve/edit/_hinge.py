@@ -82,7 +82,12 @@ def hinge_of(motion: Motion, leg: Leg, places: np.ndarray, turned: np.ndarray) -
 
 
 def reached(
-    hinge: Hinge, hip: np.ndarray, target: np.ndarray, yaw: np.ndarray, heading: np.ndarray, wanted: np.ndarray,
+    hinge: Hinge,
+    hip: np.ndarray,
+    target: np.ndarray,
+    yaw: np.ndarray,
+    heading: np.ndarray,
+    wanted: np.ndarray,
     exact: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The leg from hips (F, 3) to ankle targets (F, 3): the turn of the whole leg as the world sees it (F, 4), the turn

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .. import planar, rotation
+from ..errors import Mismatch
 from ..feet.contacts import Contact, runs
 from ..feet.legs import Leg, centimetres
 from ..info import first_frame_is_t_pose
@@ -31,41 +32,60 @@ ROUNDS, MOVING = 3, 2  # solutions of the pelvis, and after how many of them foo
 
 
 @dataclass(frozen=True, eq=False)
-class _Side:
-    """One leg while it is locked: its joints, its source, where it stands, and hips (F, 3), cm, as they are carried."""
+class Side:
+    """What is known of one leg in the source: its joints, its bones and bends, where it stands; from ball to ankle (F,
+    3), cm; how the world sees the axes (F, 4) of what carries the hip, and of what carries the ankle."""
 
     leg: Leg
     hinge: Hinge
     stances: Stances
-    hip: np.ndarray
     offset: np.ndarray
     above: np.ndarray
     shank: np.ndarray
 
 
-def locked(
-    base: Motion, carry: np.ndarray, listed: Sequence[Contact], legs: Sequence[Leg]
-) -> tuple[Motion, Strain]:
+@dataclass(frozen=True, eq=False)
+class Source:
+    """What is known of a motion before it is carried anywhere. lead: T-poses in front, which are not part of it; scale:
+    centimetres a unit; bearer: the joint whose place moves the body over its feet."""
+
+    motion: Motion
+    lead: int
+    scale: float
+    bearer: int
+    sides: tuple[Side, ...]
+
+
+def source_of(base: Motion, listed: Sequence[Contact], legs: Sequence[Leg]) -> Source:
+    """What locking needs to know of a motion (samples), its contacts, and its legs as `feet.legs` finds them: once for
+    a clip that is laid on one path after another."""
+    lead = int(first_frame_is_t_pose(base))
+    motion, scale = base[lead:], centimetres(base)
+    inner = [replace(c, first=max(c.first - lead, 0), last=c.last - lead) for c in listed if c.last >= lead]
+    places = scale * world(motion)
+    sides = tuple(_side(motion, leg, inner, places, scale) for leg in legs)
+    return Source(base, lead, scale, bearer(base.skeleton, _common(base, legs)), sides)
+
+
+def locked(base: Motion, carry: np.ndarray, listed: Sequence[Contact], legs: Sequence[Leg]) -> tuple[Motion, Strain]:
+    """`held` for a motion that is carried once."""
+    return held(source_of(base, listed, legs), carry)
+
+
+def held(source: Source, carry: np.ndarray) -> tuple[Motion, Strain]:
     """The motion carried elsewhere, its feet held in their contacts, and what that took.
 
-    base: samples. carry: (F, 3) planar transforms of the root of each frame, angle, x, z in file units (`planar`);
-    all zero for plain cleanup. listed: contacts of `base`. legs: as `feet.legs` finds them.
+    carry: (F, 3) planar transforms of the root of each frame, angle, x, z in file units (`planar`); all zero for plain
+    cleanup.
 
     Places in contact are the contacts' own, taken along by the mean of the carries over the contact. Contacts whose
     foot is held already, and carried as one, are not touched, nor are frames from 0.6 s away of others. Nothing is
     refused here: Strain says where a leg was asked for too much.
     """
-    lead = int(first_frame_is_t_pose(base))
-    if lead:  # it is not part of the motion, and nothing swings from it
-        rest = [replace(c, first=max(c.first - lead, 0), last=c.last - lead) for c in listed if c.last >= lead]
-        made, strain = locked(base[lead:], carry[lead:], rest, legs)
-        first = carried(base[:lead], carry[:lead])
-        return replace(made, values=np.vstack([first.values, made.values])), strain.later(lead)
+    base, sides = source.motion, source.sides
     carry = np.column_stack([np.unwrap(carry[:, 0]), carry[:, 1:]])
     made = carried(base, carry)
-    scale = centimetres(base)
-    carry = carry * [1.0, scale, scale]
-    sides = _sides(base, carry, listed, legs, scale)
+    carry = carry[source.lead :] * [1.0, source.scale, source.scale]
     marks = [prints(side.stances, carry) for side in sides]
     changed = [
         _standing(side.stances, side.stances.changed | (mark.uneven > STILL))
@@ -74,38 +94,47 @@ def locked(
     if not np.any(changed):
         return made, Strain.none(sum(len(side.stances.spans) for side in sides))
     active, free = _windows(sides, np.any(changed, axis=0), base.frame_time)
-    pulls = [
-        Legs(side.hinge, side.hip, wanted(side.hinge, near(own, base.frame_time, FAR)), side.stances.minded)
-        for side, own in zip(sides, changed, strict=True)
-    ]
+    pulls = [_pull(side, carry, own, base.frame_time) for side, own in zip(sides, changed, strict=True)]
     shift, aims = _solved(sides, marks, pulls, carry, ~free, base.frame_time)
     turns, short = _legs_set(sides, pulls, aims, shift, carry, active)
-    joint = bearer(base.skeleton, _common(base, legs))
-    made = set_anew(made, joint, shift[active] / scale, turns, np.flatnonzero(active))
-    strain = Strain.of(made, scale, shift, carry, [s.stances for s in sides], aims, short, legs, changed)
-    return made, strain
+    frames = source.lead + np.flatnonzero(active)
+    made = set_anew(made, source.bearer, shift[active] / source.scale, turns, frames)
+    strain = Strain.of(
+        made[source.lead :],
+        source.scale,
+        shift,
+        carry,
+        [side.stances for side in sides],
+        aims,
+        short,
+        [side.leg for side in sides],
+        changed,
+    )
+    return made, strain.later(source.lead)
 
 
 # -- in call order ---------------------------------------------------------------------------------
 
 
-def _sides(
-    base: Motion, carry: np.ndarray, listed: Sequence[Contact], legs: Sequence[Leg], scale: float
-) -> list[_Side]:
-    places = scale * world(base)
-    names, parents = base.skeleton.names, base.skeleton.parents
-    sides = []
-    for leg in legs:
-        joints = [parents[leg.hip], leg.hip, parents[leg.knee], leg.knee, parents[leg.ankle], leg.ankle]
-        turned = world_rotations(base, joints)
-        hinge = hinge_of(base, leg, places, turned[:, [1, 2, 3, 5]])
-        ball = places[:, leg.ball]
-        heel = hinge.ankle + rotation.rotate(hinge.foot, scale * leg.heel)
-        own = [contact for contact in listed if contact.joint in (names[leg.ball], names[leg.ankle])]
-        stood = stances(ball, heel, own, names[leg.ball], scale, base.frame_time)
-        hip = planar.move(carry, hinge.hip)
-        sides.append(_Side(leg, hinge, stood, hip, hinge.ankle - ball, turned[:, 0], turned[:, 4]))
-    return sides
+def _side(motion: Motion, leg: Leg, listed: Sequence[Contact], places: np.ndarray, scale: float) -> Side:
+    names, parents = motion.skeleton.names, motion.skeleton.parents
+    joints = [parents[leg.hip], leg.hip, parents[leg.knee], leg.knee, parents[leg.ankle], leg.ankle]
+    turned = world_rotations(motion, joints)
+    hinge = hinge_of(motion, leg, places, turned[:, [1, 2, 3, 5]])
+    ball = places[:, leg.ball]
+    heel = hinge.ankle + rotation.rotate(hinge.foot, scale * leg.heel)
+    own = [contact for contact in listed if contact.joint in (names[leg.ball], names[leg.ankle])]
+    stood = stances(ball, heel, own, names[leg.ball], scale, motion.frame_time)
+    return Side(leg, hinge, stood, hinge.ankle - ball, turned[:, 0], turned[:, 4])
+
+
+def _common(motion: Motion, legs: Sequence[Leg]) -> int:
+    """The lowest joint above all hips."""
+    below = [motion.skeleton.below(joint) for joint in range(len(motion.skeleton.names))]
+    above = [joint for joint, under in enumerate(below) if all(under[leg.hip] and joint != leg.hip for leg in legs)]
+    if not above:
+        raise Mismatch("the legs hang on no common joint, so no body can be moved over its feet")
+    return max(above)
 
 
 def _standing(stood: Stances, some: np.ndarray) -> np.ndarray:
@@ -113,7 +142,7 @@ def _standing(stood: Stances, some: np.ndarray) -> np.ndarray:
     return (stood.of >= 0) & some[stood.of] if len(some) else np.zeros(len(stood.of), bool)
 
 
-def _windows(sides: Sequence[_Side], changed: np.ndarray, frame_time: float) -> tuple[np.ndarray, np.ndarray]:
+def _windows(sides: Sequence[Side], changed: np.ndarray, frame_time: float) -> tuple[np.ndarray, np.ndarray]:
     """Frames (F,) that may change, and those of them in which the pelvis may move."""
     reach = int(REACH / frame_time)
     free = np.zeros(len(changed), bool)
@@ -130,27 +159,35 @@ def _windows(sides: Sequence[_Side], changed: np.ndarray, frame_time: float) -> 
     return active, free
 
 
+def _pull(side: Side, carry: np.ndarray, changed: np.ndarray, frame_time: float) -> Legs:
+    """How a leg with these changed stances (F,) pulls at the body that is carried."""
+    aim = wanted(side.hinge, near(changed, frame_time, FAR))
+    return Legs(side.hinge, planar.move(carry, side.hinge.hip), aim, side.stances.minded)
+
+
 def _solved(
-    sides: Sequence[_Side], marks: Sequence[Prints], pulls: Sequence[Legs], carry: np.ndarray, fixed: np.ndarray,
+    sides: Sequence[Side],
+    marks: Sequence[Prints],
+    pulls: Sequence[Legs],
+    carry: np.ndarray,
+    fixed: np.ndarray,
     frame_time: float,
 ) -> tuple[np.ndarray, list[Targets]]:
     """The shift of the pelvis (F, 3), cm, and where the feet are to be."""
     marks, shift = list(marks), np.zeros((len(carry), 3))
     aims = _aims(sides, marks, carry, frame_time)
     for turn in range(ROUNDS):
-        shift = shifted(
-            [(pull, aim.ankle) for pull, aim in zip(pulls, aims, strict=True)], shift, fixed, frame_time
-        )
+        shift = shifted([(pull, aim.ankle) for pull, aim in zip(pulls, aims, strict=True)], shift, fixed, frame_time)
         if turn < MOVING:
             marks = [
-                relieved(mark, side.stances, side.hinge, side.hip + shift, aim.ankle, pull.wanted)
+                relieved(mark, side.stances, side.hinge, pull.hip + shift, aim.ankle, pull.wanted)
                 for mark, side, aim, pull in zip(marks, sides, aims, pulls, strict=True)
             ]
             aims = _aims(sides, marks, carry, frame_time)
     return shift, aims
 
 
-def _aims(sides: Sequence[_Side], marks: Sequence[Prints], carry: np.ndarray, frame_time: float) -> list[Targets]:
+def _aims(sides: Sequence[Side], marks: Sequence[Prints], carry: np.ndarray, frame_time: float) -> list[Targets]:
     aims = [
         targets(side.stances, mark, carry, side.offset, frame_time) for side, mark in zip(sides, marks, strict=True)
     ]
@@ -158,14 +195,22 @@ def _aims(sides: Sequence[_Side], marks: Sequence[Prints], carry: np.ndarray, fr
     heading = np.ascontiguousarray(carry[:, 0])
     for own, other in ((0, 1), (1, 0)):
         aims[own] = cleared(
-            aims[own], aims[other], (middles[own], middles[other]), (sides[own].stances, sides[other].stances), heading,
+            aims[own],
+            aims[other],
+            (middles[own], middles[other]),
+            (sides[own].stances, sides[other].stances),
+            heading,
             frame_time,
         )
     return aims
 
 
 def _legs_set(
-    sides: Sequence[_Side], pulls: Sequence[Legs], aims: Sequence[Targets], shift: np.ndarray, carry: np.ndarray,
+    sides: Sequence[Side],
+    pulls: Sequence[Legs],
+    aims: Sequence[Targets],
+    shift: np.ndarray,
+    carry: np.ndarray,
     active: np.ndarray,
 ) -> tuple[dict[int, np.ndarray], np.ndarray]:
     """Rotations (N, 4) of hips, knees and ankles against their parents at the active frames, and by how much (2, F),
@@ -176,7 +221,7 @@ def _legs_set(
     for i, (side, pull, aim) in enumerate(zip(sides, pulls, aims, strict=True)):
         hinge, leg = side.hinge, side.leg
         whole, knee, short[i] = reached(
-            hinge, side.hip + shift, aim.ankle, aim.yaw, carry[:, 0], pull.wanted, side.stances.exact
+            hinge, pull.hip + shift, aim.ankle, aim.yaw, carry[:, 0], pull.wanted, side.stances.exact
         )
         above = rotation.mul(back, whole)
         turns[leg.hip] = rotation.mul(rotation.inv(side.above), rotation.mul(above, hinge.thigh))
@@ -185,9 +230,3 @@ def _legs_set(
         foot = rotation.mul(planar.quaternion(np.stack([aim.yaw] + [0.0 * aim.yaw] * 2, axis=1)), hinge.foot)
         turns[leg.ankle] = rotation.mul(rotation.inv(rotation.mul(shin, side.shank)), foot)
     return {joint: turned[active] for joint, turned in turns.items()}, short
-
-
-def _common(motion: Motion, legs: Sequence[Leg]) -> int:
-    """The lowest joint above all hips."""
-    below = [motion.skeleton.below(joint) for joint in range(len(motion.skeleton.names))]
-    return max(joint for joint, under in enumerate(below) if all(under[leg.hip] and joint != leg.hip for leg in legs))

@@ -58,9 +58,7 @@ def _quiet(frames: int, frame_time: float, fixed: np.ndarray) -> np.ndarray:
     return band
 
 
-def _add(
-    band: np.ndarray, right: np.ndarray, leg: Legs, target: np.ndarray, at: np.ndarray, frame_time: float
-) -> None:
+def _add(band: np.ndarray, right: np.ndarray, leg: Legs, target: np.ndarray, at: np.ndarray, frame_time: float) -> None:
     """A leg's pull: the flexion off what is wanted, and its second difference, both as bend + slope . shift."""
     to = leg.hip + at - target
     length = np.linalg.norm(to, axis=1)

@@ -24,7 +24,12 @@ SAID = {
     "miss": "a standing foot is {value:.1f} cm out of reach (most {limit:g})",
     "short": "a swinging foot falls {value:.1f} cm short (most {limit:g})",
 }
-GROWS = {"drop": 11.0, "shift": 22.0, "miss": 11.0, "short": 22.0}  # cm more for steps twice as long (benchmarks/feet.py)
+GROWS = {
+    "drop": 11.0,
+    "shift": 22.0,
+    "miss": 11.0,
+    "short": 22.0,
+}  # cm more for steps twice as long (benchmarks/feet.py)
 SHORTEST = 0.4  # times as long: shorter steps than that are another motion
 APART = 0.5  # seconds: spans nearer than that are told as one
 TOLD = 3  # problems in one sentence
@@ -32,8 +37,8 @@ TOLD = 3  # problems in one sentence
 
 @dataclass(frozen=True)
 class Problem:
-    """Too much of something: which of LIMITS, its largest value in a span, first and last frame of that, and how many times
-    as long as they are the steps there should be; None where that would not help."""
+    """Too much of something: which of LIMITS, its largest value in a span, first and last frame of that, and how many
+    times as long as they are the steps there should be; None where that would not help."""
 
     kind: str
     value: float
@@ -54,9 +59,9 @@ class Strain:
     """What locked feet took, cm and degrees, largest over all frames.
 
     stances: how many. changed: how many of them were not held as they are.
-    drop:  how far the body sinks. shift: how far it goes over the ground. twist: how far it is turned against a standing
-    foot, more than in the source. miss: how far a standing ball is from its place. short: how far a swinging ankle is
-    from where it was meant to be.
+    drop:  how far the body sinks. shift: how far it goes over the ground. twist: how far it is turned against a
+    standing foot, more than in the source. miss: how far a standing ball is from its place. short: how far a swinging
+    ankle is from where it was meant to be.
     """
 
     stances: int
@@ -75,8 +80,16 @@ class Strain:
 
     @classmethod
     def of(
-        cls, made: Motion, scale: float, shift: np.ndarray, carry: np.ndarray, stood: Sequence[Stances],
-        aims: Sequence[Targets], short: np.ndarray, legs: Sequence[Leg], changed: Sequence[np.ndarray],
+        cls,
+        made: Motion,
+        scale: float,
+        shift: np.ndarray,
+        carry: np.ndarray,
+        stood: Sequence[Stances],
+        aims: Sequence[Targets],
+        short: np.ndarray,
+        legs: Sequence[Leg],
+        changed: Sequence[np.ndarray],
     ) -> Strain:
         """Measured on the motion that was made."""
         places = world(made)
@@ -124,8 +137,8 @@ class Strain:
 
 
 def _problems(kind: str, track: np.ndarray, even: bool, frame_time: float) -> list[Problem]:
-    """The spans in which a track (F,) is beyond its limit. even: whether all frames are carried alike; then the steps are
-    as long as they ever were."""
+    """The spans in which a track (F,) is beyond its limit. even: whether all frames are carried alike; then the steps
+    are as long as they ever were."""
     spans: list[tuple[int, int]] = []
     for first, end in runs(track > LIMITS[kind]).tolist():
         if spans and (first - spans[-1][1]) * frame_time < APART:

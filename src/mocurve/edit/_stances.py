@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -30,7 +31,8 @@ class Stances:
     """The stances of a leg, cm.
 
     spans:   (N, 2) first frame, and frame after the last. of: (F,) which stance, -1 in a swing.
-    places:  (N, 3) where the ball stands. changed: (N,) whether the source's foot slides there.
+    places:  (N, 3) where the ball stands. placed: (N,) whether that is not where it stands in the source.
+    changed: (N,) whether the source's foot slides there, or is placed.
     pinned:  (F, 3) the ball, held still in all stances, smooth between.
     exact:   (F,) 1 in a stance, 0 from 0.1 s away on. minded: the same to 0.35 s.
     """
@@ -38,6 +40,7 @@ class Stances:
     spans: np.ndarray
     of: np.ndarray
     places: np.ndarray
+    placed: np.ndarray
     changed: np.ndarray
     pinned: np.ndarray
     exact: np.ndarray
@@ -56,24 +59,27 @@ def stances(
 ) -> Stances:
     """The stances of the leg whose ball (F, 3), cm, is called `name`, out of contacts of its ball and heel."""
     frames = len(ball)
-    balls = [contact for contact in listed if contact.joint == name]
+    balls = sorted((contact for contact in listed if contact.joint == name), key=lambda contact: contact.first)
     heels = [contact for contact in listed if contact.joint != name]
     down, on_heel = (_mask(some, frames) for some in (balls, heels))
-    spans = np.array([span for span in runs(down | on_heel) if down[slice(*span)].any()], int).reshape(-1, 2)
+    spans = _spans(balls, runs(down | on_heel).tolist())
     of = np.full(frames, -1)
-    error, places, changed = np.zeros((frames, 3)), np.zeros((len(spans), 3)), np.zeros(len(spans), bool)
-    for i, (first, end) in enumerate(spans):
+    error, places = np.zeros((frames, 3)), np.zeros((len(spans), 3))
+    placed, changed = np.zeros(len(spans), bool), np.zeros(len(spans), bool)
+    for i, ((first, end), contact) in enumerate(zip(spans, balls, strict=True)):
         of[first:end] = i
-        inner = [contact for contact in balls if first <= contact.first < end]
-        error[first:end], places[i] = _held(ball, heel, (first, end), inner, scale)
-        own = slice(inner[0].first, inner[-1].last + 1)
-        steps = np.linalg.norm(np.diff(ball[own][:, GROUND], axis=0), axis=1) / frame_time
-        moves = steps.mean() if len(steps) else 0.0
-        changed[i] = moves > STILL or np.abs(error[own]).max() > STILL
+        places[i] = scale * np.array(contact.place)
+        own = ball[contact.first : contact.last + 1]
+        error[first:end] = _holding(ball, heel, (first, end), contact, places[i])
+        placed[i] = np.abs(places[i] - own.mean(axis=0)).max() > STILL
+        steps = np.linalg.norm(np.diff(own[:, GROUND], axis=0), axis=1) / frame_time
+        slides = np.abs(own[:, GROUND] - own[:, GROUND].mean(axis=0)).max()
+        changed[i] = placed[i] or slides > STILL or steps.mean() > STILL if len(steps) else placed[i]
         if not changed[i]:
             error[first:end] = 0.0
     pinned = ball + filled(error, spans, frame_time, DIE)
-    return Stances(spans, of, places, changed, pinned, near(of >= 0, frame_time, NEAR), near(of >= 0, frame_time, FAR))
+    exact, minded = (near(of >= 0, frame_time, seconds) for seconds in (NEAR, FAR))
+    return Stances(spans, of, places, placed, changed, pinned, exact, minded)
 
 
 def wanted(hinge: Hinge, weight: np.ndarray) -> np.ndarray:
@@ -106,22 +112,32 @@ def _mask(listed: Sequence[Contact], frames: int) -> np.ndarray:
     return mask
 
 
-def _held(
-    ball: np.ndarray, heel: np.ndarray, span: tuple[int, int], inner: Sequence[Contact], scale: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """What holds the foot still in a stance (frames of it, 3), and where (3,)."""
+def _spans(balls: Sequence[Contact], unions: Sequence[Sequence[int]]) -> np.ndarray:
+    """For each ball contact (in order) the span (N, 2) of frames in which it or a heel contact that overlaps it is
+    there; two ball contacts that a heel contact joins part in the middle between them."""
+    spans = []
+    for first, end in unions:
+        inner = [contact for contact in balls if first <= contact.first < end]
+        parts = [(a.last + 1 + b.first) // 2 for a, b in pairwise(inner)]
+        spans += list(pairwise([first, *parts, end])) if inner else []
+    return np.array(spans, int).reshape(-1, 2)
+
+
+def _holding(
+    ball: np.ndarray, heel: np.ndarray, span: tuple[int, int], contact: Contact, place: np.ndarray
+) -> np.ndarray:
+    """What is to be added to the places of the foot in a stance (frames of it, 3) so that it stands still there."""
     first, end = span
-    own = slice(inner[0].first, inner[-1].last + 1)
-    sizes = np.array([contact.last + 1 - contact.first for contact in inner], float)
-    place = scale * (np.array([contact.place for contact in inner]) * sizes[:, None]).sum(axis=0) / sizes.sum()
+    own = slice(contact.first, contact.last + 1)
     error = np.zeros((end - first, 3))
     error[:, GROUND] = place[GROUND] - ball[first:end, GROUND]
-    lift = place[1] - np.concatenate([ball[c.first : c.last + 1, 1] for c in inner]).mean()
+    lift = place[1] - ball[own, 1].mean()
     error[:, 1] = lift if abs(lift) > STILL else 0.0
     for at, frames in ((own.start, np.arange(first, own.start)), (own.stop - 1, np.arange(own.stop, end)[::-1])):
         if not len(frames):  # frames in which only the heel is down, from the far one to the ball's
             continue
+        inside = (frames[:, None] - first, GROUND)
         on_heel = heel[at, GROUND] + error[at - first, GROUND] - heel[frames][:, GROUND]
-        fade = smooth((np.arange(1, len(frames) + 1) / (len(frames) + 1)))[:, None]
-        error[np.ix_(frames - first, GROUND)] += (1.0 - fade) * (on_heel - error[np.ix_(frames - first, GROUND)])
-    return error, place
+        fade = smooth(np.arange(1, len(frames) + 1) / (len(frames) + 1))[:, None]
+        error[inside] += (1.0 - fade) * (on_heel - error[inside])
+    return error

@@ -26,8 +26,8 @@ TRIES = 20  # times that contacts are let go
 
 @dataclass(frozen=True)
 class Locked:
-    """What was held, and what it took; centimetres. How feet slide is measured in all contacts of the clip that was given,
-    after it by forward kinematics of the result (`feet.skate`).
+    """What was held, and what it took; centimetres. How feet slide is measured in all contacts of the clip that was
+    given, after it by forward kinematics of the result (`feet.skate`).
 
     stances: of both feet, ball and heel together. changed: those that slid.
     speed, drift: of balls in contact, mean over the ground a second, and mean of the largest distance to the middle of
@@ -92,9 +92,9 @@ def lock_feet(
     The ball of a standing foot does not move over the ground; its height and the tilt of the foot stay the source's. A
     contact that is held already is not touched, nor is any frame 0.6 s away from contacts that slide, or any joint but
     hips, knees, ankles and the place of the body. The last step of the `history` has the numbers of `Locked` under
-    "measured". Errors: Mismatch where there are no two legs or samples are missing, OptionError for contacts that are not
-    in the clip, and where the body would have to sink by 2.5 cm, to go aside by 4 cm, or a foot is out of reach: the
-    message names the frames.
+    "measured". Errors: Mismatch where there are no two legs or samples are missing, OptionError for contacts that are
+    not in the clip, and where the body would have to sink by 2.5 cm, to go aside by 4 cm, or a foot is out of reach:
+    the message names the frames.
 
     >>> still = mc.lock_feet(mc.read("walk.bvh"))
     """
@@ -104,7 +104,9 @@ def lock_feet(
     both = legs(motion, feet)
     listed = found(motion, both, speed, height) if contacts is None else read_contacts(contacts, motion, both)
     if contacts is None and not listed:
-        warnings.warn("no foot stands anywhere: nothing is locked; the option speed says how slow is standing", stacklevel=2)
+        warnings.warn(
+            "no foot stands anywhere: nothing is locked; the option speed says how slow is standing", stacklevel=2
+        )
     made, strain, released = _released(motion, listed, both) if release else (*_locked(motion, listed, both), ())
     strain.refuse(motion.frame_time, "Contacts can be changed, or let go with the option release")
     measured = _measured(motion, made, listed, both, speed, strain, released)
@@ -122,7 +124,12 @@ def _locked(motion: Motion, listed: Sequence[Contact], both: Sequence[Leg]) -> t
 
 
 def _measured(
-    motion: Motion, made: Motion, listed: Sequence[Contact], both: Sequence[Leg], speed: float, strain: Strain,
+    motion: Motion,
+    made: Motion,
+    listed: Sequence[Contact],
+    both: Sequence[Leg],
+    speed: float,
+    strain: Strain,
     released: Sequence[Contact],
 ) -> Locked:
     names = {motion.skeleton.names[leg.ball] for leg in both}
@@ -162,8 +169,8 @@ def _released(
     if gone:
         first = min(gone, key=lambda contact: contact.first)
         warnings.warn(
-            f"{len(gone)} of {len(listed)} contacts cannot be held and are let go, the first of {first.joint!r} at frame "
-            f"{first.first}",
+            f"{len(gone)} of {len(listed)} contacts cannot be held and are let go, the first of {first.joint!r} at "
+            f"frame {first.first}",
             stacklevel=3,
         )
     return made, strain, tuple(gone)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -71,9 +72,7 @@ def contacts(
     return found(motion, legs(motion, feet), speed, height)
 
 
-def found(
-    motion: Motion, both: Sequence[Leg], speed: float, height: float, held: bool = True
-) -> tuple[Contact, ...]:
+def found(motion: Motion, both: Sequence[Leg], speed: float, height: float, held: bool = True) -> tuple[Contact, ...]:
     """The contacts of legs that are known. held: whether a foot that is perfectly still for a while tells its own."""
     if motion.frames < 2:
         return ()
@@ -98,7 +97,7 @@ def read_contacts(
     known = sorted({names[joint] for leg in both for joint in (leg.ball, leg.ankle)})
     listed = [_read(one, motion.frames, known) for one in given]
     listed.sort(key=lambda contact: (contact.joint, contact.first))
-    for one, after in zip(listed[:-1], listed[1:], strict=True):
+    for one, after in pairwise(listed):
         if one.joint == after.joint and after.first <= one.last:
             raise OptionError(f"two contacts of {one.joint!r} share frame {after.first}")
     return tuple(sorted(listed, key=lambda contact: (contact.first, contact.joint)))
@@ -128,9 +127,7 @@ def _complete(motion: Motion) -> None:
         raise Mismatch(f"channel {name!r} has no value at frame {frame}: fill the gaps first, with denoise")
 
 
-def _standing(
-    track: np.ndarray, frame_time: float, speed: float, height: float, held: bool
-) -> list[tuple[int, int]]:
+def _standing(track: np.ndarray, frame_time: float, speed: float, height: float, held: bool) -> list[tuple[int, int]]:
     """(first, last) frames in which a point (F, 3), cm, stands."""
     half = max(1, round(0.5 * SMOOTH / frame_time))
     ahead = np.minimum(np.arange(len(track)) + half, len(track) - 1)

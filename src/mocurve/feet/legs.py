@@ -18,6 +18,7 @@ from ..skeleton import Skeleton
 FOOT = re.compile(r"foot|toe|ankle|heel|ball(?!oon)", re.IGNORECASE)
 HELPER = re.compile(r"ik|target|ctrl|control|pole|roll", re.IGNORECASE)  # of rigs: they hang beside the legs
 LONG = 0.42  # of the longest bone of the leg: where the thigh begins, shorter bones above belong to the pelvis
+STIFF = 1.0  # degrees: a joint whose channels never change more does not turn
 SHORT = 1e-6  # of the height at rest: a bone without length
 HEEL = 0.25  # foot lengths that the heel stands behind the ankle
 PERSON = 170.0  # cm tall, where nobody knows how long a unit is
@@ -36,9 +37,10 @@ class Leg(NamedTuple):
 def legs(motion: Motion, feet: str | Sequence[str] | None = None) -> tuple[Leg, ...]:
     """Both legs. `feet` names the ball (toe base) of each foot, or its ankle; without it feet are found by name.
 
-    The thigh begins at the first long bone below the joint where the legs part, the knee is the joint nearest to the
-    middle of the way from there to the ankle: joints in between (twist bones) do no harm. The ball is the first joint
-    or end site below the ankle that lies elsewhere. Mismatch where there are not two legs with knees.
+    The thigh begins at the first long bone of a joint that turns, below the joint where the legs part; the knee is the
+    joint nearest to the middle of the way from there to the ankle: joints in between (twist bones) do no harm. The ball
+    is the first joint or end site below the ankle that lies elsewhere. Mismatch where there are not two legs with
+    knees.
     """
     skeleton = motion.skeleton
     names = [feet] if isinstance(feet, str) else feet
@@ -53,7 +55,7 @@ def legs(motion: Motion, feet: str | Sequence[str] | None = None) -> tuple[Leg, 
     bones = np.linalg.norm(rest_offsets(motion), axis=1)
     found = []
     for ankle, ball in ankles:
-        hip, knee = _thigh(skeleton, bones, top, ankle)
+        hip, knee = _thigh(motion, bones, top, ankle)
         found.append((hip, knee, ankle, _ball(skeleton, bones, ankle, SHORT * bones.sum()) if ball < 0 else ball))
     return tuple(Leg(*joints, heel) for joints, heel in zip(found, _heels(motion, found), strict=True))
 
@@ -110,10 +112,13 @@ def _above(skeleton: Skeleton, joint: int) -> list[int]:
     return line
 
 
-def _thigh(skeleton: Skeleton, bones: np.ndarray, top: int, ankle: int) -> tuple[int, int]:
+def _thigh(motion: Motion, bones: np.ndarray, top: int, ankle: int) -> tuple[int, int]:
     """Hip and knee of the chain from below `top` to the ankle."""
+    skeleton = motion.skeleton
     line = [ankle, *_above(skeleton, ankle)]
     chain = line[: line.index(top) if top in line else len(line)][::-1]
+    turning = [joint for joint in chain[:-2] if _turns(motion, joint)]
+    chain = chain[chain.index(turning[0]) if turning else 0 :]  # what never turns above the leg is the pelvis
     lengths = bones[chain[1:]]
     longest = lengths.max(initial=0.0)
     if len(chain) < 3 or not longest > 0:
@@ -125,6 +130,11 @@ def _thigh(skeleton: Skeleton, bones: np.ndarray, top: int, ankle: int) -> tuple
     inner = along[1:-1] / along[-1]
     knee = first + 1 + int(np.argmin(np.abs(inner - 0.5)))
     return chain[first], chain[knee]
+
+
+def _turns(motion: Motion, joint: int) -> bool:
+    columns = motion.skeleton.eulers[joint][0]
+    return bool(motion.frames) and bool((np.ptp(motion.values[:, columns], axis=0) > STIFF).any())
 
 
 def _ball(skeleton: Skeleton, bones: np.ndarray, ankle: int, least: float) -> int:

@@ -45,11 +45,10 @@ def skate(
     source: Motion | None = None,
     speed: float = 15.0,
 ) -> Skate | None:
-    """How feet slide in these contacts; None where there are no two frames of one. `source` is what the contacts were found in, by
-    default the motion itself: heights in contact are compared with it. speed: as that of `contacts`.
-
+    """How feet slide in these contacts; None where there are no two frames of one. `source` is what the contacts were
+    found in, by default the motion itself: heights in contact are compared with it. speed: as that of `contacts`.
     """
-    scale, names = centimetres(motion), motion.skeleton.names
+    scale = centimetres(motion)
     points = _points(motion, both)
     heights = points if source is None else _points(source, both)
     speeds, drifts, kept, away = [], [], [], []
