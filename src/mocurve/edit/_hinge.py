@@ -17,8 +17,9 @@ from ..feet.legs import Leg
 from ..motion import Motion
 
 STRAIGHT = np.radians(6.0)  # flexion below which its length is continued as a straight line, when the pelvis is placed
-STIFF = np.radians(25.0)  # the same for a leg that swings: there the knee is damped
+DAMPED = np.radians(25.0)  # the same for a leg that swings: there the knee is damped
 MOST = np.radians(15.0)  # how far the damped knee goes from where it was wanted
+RIGID = 0.03  # sine of the bend: a knee that never bends more has no axis of its own
 LEAST = np.radians(1.0)  # flexion that a swinging knee keeps, unless the source had less
 SWIVEL = 0.5  # part of the foot's extra turn that the whole leg makes, so that the ankle need not
 
@@ -101,7 +102,7 @@ def reached(
     flexion = np.arccos(np.clip((length * length - hinge.c) / (2.0 * hinge.d), -1.0, 1.0))
     free = exact < 1.0
     if free.any():
-        there, own = hinge.bend(length, STIFF)[0], hinge.bend(hinge.length(wanted), STIFF)[0]
+        there, own = hinge.bend(length, DAMPED)[0], hinge.bend(hinge.length(wanted), DAMPED)[0]
         damped = wanted + MOST * np.tanh((there - own) / MOST)
         flexion = np.where(free, exact * hinge.bend(length)[0] + (1.0 - exact) * damped, flexion)
     # a knee that bends the other way in the source, by noise, does so still where nothing is asked of it
@@ -118,9 +119,9 @@ def reached(
 
 def _axis(p: np.ndarray, q: np.ndarray, forward: np.ndarray) -> np.ndarray:
     """The direction (3,) that is most nearly normal to p and q, positive for the way the knee bends most."""
-    normals = np.cross(-p, q)
-    usual = normals
-    if np.linalg.norm(normals, axis=1).max(initial=0.0) < 0.03 * np.linalg.norm(p * np.linalg.norm(q), axis=1).max():
+    usual = np.cross(-p, q)
+    sizes = np.linalg.norm(p, axis=1) * np.linalg.norm(q, axis=1)
+    if (np.linalg.norm(usual, axis=1) < RIGID * sizes).all():
         usual = np.cross(p, forward)  # a knee that never bends: it would bend backwards
     axis = np.linalg.eigh(usual.T @ usual)[1][:, 2]
     sense = float((usual @ axis).sum())
