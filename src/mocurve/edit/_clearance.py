@@ -2,8 +2,9 @@
 tried several times.
 
 A bump 64 u^3 (1 - u)^3 over the swing (C2) is added to the ground plan of the swinging foot, along the line between the
-feet where they pass closest in the source; the size of a third, two thirds or all of what is missing is taken,
-whichever keeps the two feet farthest apart.
+feet where they pass closest in the source: the smallest that keeps most of their distance, or else the one that keeps
+the two feet farthest apart. Where a path turns sharply a foot would pass on the wrong side of the other; it then goes
+around it.
 """
 
 from __future__ import annotations
@@ -15,7 +16,9 @@ from ._footprints import Targets
 from ._stances import Stances
 from ._swings import REACH
 
-MOST = 12.0  # cm that a foot goes around the other
+STEP, MOST = 1.0, 20.0  # cm that a foot goes around the other: tried in steps of, and at most
+ENOUGH = 0.75  # of the distance that the feet have in the source
+LEAST = 0.2  # cm that a larger bump has to win
 ALONE = 40.0  # cm: feet that are never nearer do not pass
 
 
@@ -75,16 +78,14 @@ def _clear(heading, ankle, ball, other_ankle, other_ball, mine, others, spans, s
         missing = distance - (across * (cosine * x + sine * z) + along * (cosine * z - sine * x))
         if missing <= 1e-6:
             continue
-        u = (at - low) / (high - low)
-        size = min(missing / (64.0 * (u * (1.0 - u)) ** 3), MOST)
         best, chosen = _apart(heading, ankle, ball, other_ankle, other_ball, low, high, 0.0, 0.0), 0.0
-        if best >= distance:
-            continue
-        for part in range(1, 4):
-            tried = size * part / 3.0
-            apart = _apart(heading, ankle, ball, other_ankle, other_ball, low, high, tried * x, tried * z)
-            if apart > best + 0.2:
-                best, chosen = apart, tried
+        enough = ENOUGH * distance
+        size = 0.0
+        while best < enough and size < MOST:
+            size += STEP
+            apart = _apart(heading, ankle, ball, other_ankle, other_ball, low, high, size * x, size * z)
+            if apart > best + LEAST:
+                best, chosen = apart, size
         if chosen == 0.0:
             continue
         for f in range(max(low + 1, 0), min(high, frames)):

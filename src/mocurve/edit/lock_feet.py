@@ -19,7 +19,7 @@ from ..feet.skate import Skate, skate
 from ..motion import Clip, Motion
 from ._locking import locked
 from ._pair import complete, recorded, tell_sampled
-from ._reach import Strain
+from ._reach import Problem, Strain
 
 TRIES = 20  # times that contacts are let go
 
@@ -157,20 +157,22 @@ def _released(
     kept, gone = list(listed), []
     for _ in range(TRIES):
         made, strain = _locked(motion, kept, both)
-        bad = [
-            contact
-            for contact in kept
-            if any(contact.first <= problem.last and problem.first <= contact.last for problem in strain.problems)
-        ]
+        bad = {contact for problem in strain.problems for contact in _at(problem, kept)}
         if not bad:
             break
         kept = [contact for contact in kept if contact not in bad]
         gone += bad
+    gone.sort(key=lambda contact: (contact.first, contact.joint))
     if gone:
-        first = min(gone, key=lambda contact: contact.first)
         warnings.warn(
-            f"{len(gone)} of {len(listed)} contacts cannot be held and are let go, the first of {first.joint!r} at "
-            f"frame {first.first}",
+            f"{len(gone)} of {len(listed)} contacts cannot be held and are let go, the first of {gone[0].joint!r} at "
+            f"frame {gone[0].first}",
             stacklevel=3,
         )
     return made, strain, tuple(gone)
+
+
+def _at(problem: Problem, listed: Sequence[Contact]) -> list[Contact]:
+    """The contacts during a problem, or else the nearest ones."""
+    away = [max(contact.first - problem.last, problem.first - contact.last, 0) for contact in listed]
+    return [contact for contact, frames in zip(listed, away, strict=True) if frames == min(away)]
