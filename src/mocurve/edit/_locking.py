@@ -191,17 +191,11 @@ def _aims(sides: Sequence[Side], marks: Sequence[Prints], carry: np.ndarray, fra
     aims = [
         targets(side.stances, mark, carry, side.offset, frame_time) for side, mark in zip(sides, marks, strict=True)
     ]
-    middles = [side.hinge.ankle - 0.5 * side.offset for side in sides]
+    before = [Targets(side.hinge.ankle - side.offset, side.hinge.ankle, carry[:, 0]) for side in sides]
     heading = np.ascontiguousarray(carry[:, 0])
     for own, other in ((0, 1), (1, 0)):
-        aims[own] = cleared(
-            aims[own],
-            aims[other],
-            (middles[own], middles[other]),
-            (sides[own].stances, sides[other].stances),
-            heading,
-            frame_time,
-        )
+        pairs = (before[own], before[other]), (sides[own].stances, sides[other].stances)
+        aims[own] = cleared(aims[own], aims[other], *pairs, heading, frame_time)
     return aims
 
 

@@ -23,6 +23,7 @@ STILL = 0.01  # cm and cm/s: a ball that moves less while it stands is held alre
 DIE = 0.08  # seconds within which speeds of the source's sliding die out of a swing
 NEAR, FAR = 0.10, 0.35  # seconds from a contact: the leg reaches exactly; the pelvis minds the knee
 FLOOR, ROUND = np.radians(7.0), np.radians(3.0)  # flexion of the knee that is wanted at least, and how softly
+SWING = 0.1  # seconds: the shortest swing that a heel contact leaves
 GROUND = [0, 2]
 
 
@@ -62,7 +63,7 @@ def stances(
     balls = sorted((contact for contact in listed if contact.joint == name), key=lambda contact: contact.first)
     heels = [contact for contact in listed if contact.joint != name]
     down, on_heel = (_mask(some, frames) for some in (balls, heels))
-    spans = _spans(balls, runs(down | on_heel).tolist())
+    spans = _spans(balls, runs(down | on_heel).tolist(), round(SWING / frame_time))
     of = np.full(frames, -1)
     error, places = np.zeros((frames, 3)), np.zeros((len(spans), 3))
     placed, changed = np.zeros(len(spans), bool), np.zeros(len(spans), bool)
@@ -112,14 +113,18 @@ def _mask(listed: Sequence[Contact], frames: int) -> np.ndarray:
     return mask
 
 
-def _spans(balls: Sequence[Contact], unions: Sequence[Sequence[int]]) -> np.ndarray:
+def _spans(balls: Sequence[Contact], unions: Sequence[Sequence[int]], least: int) -> np.ndarray:
     """For each ball contact (in order) the span (N, 2) of frames in which it or a heel contact that overlaps it is
-    there; two ball contacts that a heel contact joins part in the middle between them."""
+    there. Where that would leave less than so many frames of swing between two of them, the heel does not count."""
     spans = []
     for first, end in unions:
         inner = [contact for contact in balls if first <= contact.first < end]
-        parts = [(a.last + 1 + b.first) // 2 for a, b in pairwise(inner)]
-        spans += list(pairwise([first, *parts, end])) if inner else []
+        for contact in inner:
+            start = first if contact is inner[0] else contact.first
+            spans.append([start, end if contact is inner[-1] else contact.last + 1])
+    for at, (one, after) in enumerate(pairwise(spans)):
+        if after[0] - one[1] < least:
+            one[1], after[0] = balls[at].last + 1, balls[at + 1].first
     return np.array(spans, int).reshape(-1, 2)
 
 

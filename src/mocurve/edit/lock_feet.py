@@ -154,7 +154,7 @@ def _released(
     motion: Motion, listed: Sequence[Contact], both: Sequence[Leg]
 ) -> tuple[Motion, Strain, tuple[Contact, ...]]:
     """The same without the contacts in which something was too much, and these."""
-    kept, gone = list(listed), []
+    kept, gone = list(listed), list[Contact]()
     for _ in range(TRIES):
         made, strain = _locked(motion, kept, both)
         bad = {contact for problem in strain.problems for contact in _at(problem, kept)}
