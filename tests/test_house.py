@@ -25,7 +25,7 @@ LAYERS = [
     "keyed",
     "spline",
     "kinematics",
-    "contacts info measure",
+    "info feet measure",
     "denoising",
     "reduction",
     "fitting",

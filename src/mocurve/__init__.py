@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .errors import FileError, Mismatch, MocurveError, OptionError, UnknownName
+    from .feet.contacts import Contact
     from .keyed import HermiteCurve, KeyedMotion
     from .motion import Clip, Motion, unroll
     from .path import Path
@@ -46,6 +47,9 @@ _HOME = {
     "join": "edit.join",
     "register": "edit.register",
     "follow": "edit.follow",
+    "Contact": "feet.contacts",
+    "contacts": "feet.contacts",
+    "lock_feet": "edit.lock_feet",
     "render": "draw",
 }
 __all__ = ["__version__", *_HOME]

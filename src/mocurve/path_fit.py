@@ -8,8 +8,8 @@ import numpy as np
 
 from . import bspline, kinematics
 from .bspline_fit import least_squares
-from .contacts import FOOT
 from .errors import Mismatch, OptionError
+from .feet.planted import FOOT
 from .info import first_frame_is_t_pose
 from .motion import Clip, Motion
 from .path import Fit, Path, chebyshev_places

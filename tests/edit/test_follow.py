@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from paths import MOVED, bent, edges, measured, off, table, walking
+from paths import MOVED, bent, edges, laid, measured, off, table, walking
 from turning import heading
 
 import mocurve as mc
@@ -33,7 +33,7 @@ CASES = [(fit, mode) for fit in FITS for mode in MODES if (fit, mode) != ("polyn
 @pytest.mark.parametrize(("fit", "mode"), CASES)
 def test_the_own_path_laid_back_changes_nothing(fit: str, mode: str) -> None:
     clip = walking()
-    made = mc.follow(clip, Path.of(clip, **FITS[fit]), mode=mode)
+    made = laid(clip, Path.of(clip, **FITS[fit]), mode=mode)
     assert made.values.tobytes() == clip.values.tobytes()
     assert measured(made)["first"] is None
 
@@ -41,7 +41,7 @@ def test_the_own_path_laid_back_changes_nothing(fit: str, mode: str) -> None:
 @pytest.mark.parametrize(("fit", "mode"), CASES)
 def test_a_path_moved_as_a_whole_moves_the_motion_so(fit: str, mode: str) -> None:
     clip = walking()
-    made = mc.follow(clip, Path.of(clip, **FITS[fit]).moved(MOVED), mode=mode)
+    made = laid(clip, Path.of(clip, **FITS[fit]).moved(MOVED), mode=mode)
     np.testing.assert_allclose(world(made), planar.move(MOVED, world(clip)), atol=1e-9)
 
 
@@ -49,22 +49,22 @@ def test_a_path_moved_as_a_whole_moves_the_motion_so(fit: str, mode: str) -> Non
 def test_the_way_back_restores_the_motion(mode: str) -> None:
     clip = walking()
     path = Path.of(clip)
-    there = mc.follow(clip, bent(path, 8.0), mode=mode)
+    there = laid(clip, bent(path, 8.0), mode=mode)
     assert off(there, clip) > 5
-    assert off(mc.follow(there, path, mode=mode), clip) < 1e-9
+    assert off(laid(there, path, mode=mode), clip) < 1e-9
 
 
 def test_every_frame_stays_as_far_along_the_path_as_it_was() -> None:
     clip = walking()
     own, new = Path.of(clip), bent(Path.of(clip))
-    along = table(mc.follow(clip, new))["distance"]
+    along = table(laid(clip, new))["distance"]
     np.testing.assert_allclose(along, own.table().distance(gone(clip)), atol=1e-9)
 
 
 def test_the_root_is_beside_the_new_path_as_it_was_beside_the_old_one() -> None:
     clip = walking()
     own, new = Path.of(clip), mc.Path([(0, 0), (300, 100), (300, 400), (0, 500)])
-    made = mc.follow(clip, new)
+    made = laid(clip, new)
     away = np.linalg.norm(made.values[:, [0, 2]] - new.at(table(made)["distance"])[0], axis=1)
     np.testing.assert_allclose(away, own.residuals(clip), atol=1e-9)
     turned = np.diff(heading(made) - heading(clip))
@@ -73,7 +73,7 @@ def test_the_root_is_beside_the_new_path_as_it_was_beside_the_old_one() -> None:
 
 def test_only_the_root_is_changed() -> None:
     clip = walking()
-    made = mc.follow(clip, bent(Path.of(clip)))
+    made = laid(clip, bent(Path.of(clip)))
     others = clip.skeleton.channel_joints > 0
     assert made.values[:, others].tobytes() == clip.values[:, others].tobytes()
     assert np.abs(np.diff(made.values, axis=0)).max() < 90  # degrees: channels do not wrap
@@ -83,7 +83,7 @@ def test_only_the_root_is_changed() -> None:
 def test_scaled_fills_the_path_and_time_keeps_the_parameter() -> None:
     clip = walking()
     own, new = Path.of(clip), mc.Path([(0, 0), (0, 400), (300, 900), (800, 900)])
-    scaled, timed = (table(mc.follow(clip, new, mode=mode))["distance"] for mode in ("scaled", "time"))
+    scaled, timed = (table(laid(clip, new, mode=mode))["distance"] for mode in ("scaled", "time"))
     assert scaled[-1] == pytest.approx(new.length)
     lengths = own.table().distance(gone(clip))
     np.testing.assert_allclose(scaled, lengths * new.length / own.length, atol=1e-9)
@@ -96,7 +96,7 @@ def spanned(by: tuple[float, float], points: int = 14) -> tuple[mc.Motion, mc.Mo
     path = Path.of(clip, points=points)
     moved = np.array(path.points)
     moved[5] += by
-    return clip, mc.follow(clip, replace(path, points=moved), mode="span"), path
+    return clip, laid(clip, replace(path, points=moved), mode="span"), path
 
 
 def test_outside_of_an_edited_span_not_a_digit_changes() -> None:
@@ -108,7 +108,7 @@ def test_outside_of_an_edited_span_not_a_digit_changes() -> None:
     assert made.values[:first].tobytes() == clip.values[:first].tobytes()
     assert made.values[last + 1 :].tobytes() == clip.values[last + 1 :].tobytes()
     assert edges(made) < 1.3 * edges(clip)
-    assert off(mc.follow(made, path, mode="span"), clip) < 1e-9
+    assert off(laid(made, path, mode="span"), clip) < 1e-9
 
 
 def test_a_span_much_longer_takes_more_time_and_that_is_said() -> None:
@@ -132,7 +132,7 @@ def test_a_span_at_either_end_and_none_at_all() -> None:
     for place in (0, 13):
         points = np.array(path.points)
         points[place] += (20, 10)
-        made = mc.follow(clip, replace(path, points=points), mode="span")
+        made = laid(clip, replace(path, points=points), mode="span")
         same = (made.values == clip.values).all(axis=1)
         assert same[-1] == (place == 0)
         assert same[0] == (place == 13)
@@ -154,20 +154,20 @@ def captured(clips: File) -> Callable[[str], mc.Motion]:
 def test_captured_walks_keep_their_laws(name: str, captured: Callable[[str], mc.Motion]) -> None:
     clip = captured(name)
     path = Path.of(clip)
-    assert mc.follow(clip, path).values.tobytes() == clip.values.tobytes()
-    moved = mc.follow(clip, path.moved(MOVED))
+    assert laid(clip, path).values.tobytes() == clip.values.tobytes()
+    moved = laid(clip, path.moved(MOVED))
     np.testing.assert_allclose(world(moved), planar.move(MOVED, world(clip)), atol=1e-9)
-    there = mc.follow(clip, bent(path, 3.0))
-    assert off(mc.follow(there, path), clip) < 1e-9
+    there = laid(clip, bent(path, 3.0))
+    assert off(laid(there, path), clip) < 1e-9
 
 
 def test_a_t_pose_in_front_stays_in_front_and_is_no_part_of_a_cycle(captured: Callable[[str], mc.Motion]) -> None:
     clip = captured("12_01_walk")
-    made = mc.follow(clip, mc.Path([(0, 0), (30, 30), (30, 60)]))
+    made = laid(clip, mc.Path([(0, 0), (30, 30), (30, 60)]))
     turned = made.skeleton.rotation_channels & (made.skeleton.channel_joints > 0)
     assert made.values[0, turned].tobytes() == clip.values[0, turned].tobytes()
     assert table(made)["frame"][:3].tolist() == [0, 1, 2]
-    cycled = mc.follow(clip, mc.Path([(0, 0), (100, 100), (100, 400)]), at_end="cycle")
+    cycled = laid(clip, mc.Path([(0, 0), (100, 100), (100, 400)]), at_end="cycle")
     assert table(cycled)["frame"].min() > 1
     assert edges(cycled) < 1.1 * edges(clip[1:])
 
@@ -177,6 +177,6 @@ def test_on_bends_of_a_metre_bodies_turn_without_a_jerk(name: str, captured: Cal
     clip = captured(name)[1:]
     around = np.linspace(0, 4, 24)
     bend = mc.Path(100 / 5.6444 * np.stack([1 - np.cos(around), np.sin(around)], axis=1))
-    made = mc.follow(clip, bend)
+    made = laid(clip, bend)
     assert edges(made) < 1.1 * edges(clip)
     assert 100 < measured(made)["turned"] < 360

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from mocurve.path import Path
 
 MOVED = np.array([2.0, 130.0, -70.0])
 SHORT = [(0, 0), (100, 50), (100, 250)]
+laid = partial(mc.follow, lock_feet=False)  # the walk has no knees
 LONG = [(0, 0), (500, 0), (500, 700), (1500, 800), (1500, 0)]
 
 

@@ -16,4 +16,5 @@ VERBS = {
     "join": "join",
     "register": "register",
     "follow": "follow",
+    "lock_feet": "lock_feet",
 }

@@ -28,6 +28,7 @@ from ._facing import progress
 from ._pair import check_mode, complete, recorded, tell_sampled
 from ._repeat import repeated
 from ._seams import centimetres
+from ._steps import Steps, stepping
 
 MODES = ("arclength", "time", "scaled", "span")
 HEADINGS = ("tangent", "facing")
@@ -50,6 +51,7 @@ class Following:
     stride:      how long strides are where only a span was edited, times the source's; slower: how much time they take.
     first, last: frame from which and to which the result differs from the clip; None where it does not.
     turned:      the most that a frame is turned, degrees.
+    feet:        the numbers of `Steps`; None where no feet were held.
     """
 
     unit: str
@@ -65,6 +67,7 @@ class Following:
     first: int | None
     last: int | None
     turned: float
+    feet: dict[str, Any] | None = None
 
     def __str__(self) -> str:
         again = f", {self.cycles} cycles" if self.cycles > 1 else ""
@@ -79,7 +82,8 @@ class Following:
             time = "" if self.slower == 1.0 else f" and take {self.slower:.3g} times the time"
             lines.append(f"in the edited span strides are {self.stride:.3g} times as long{time}")
         changed = "nothing" if self.first is None else f"frames {self.first} to {self.last}"
-        return "\n".join([*lines, f"changed: {changed}, turned by up to {self.turned:.3g} degrees"])
+        lines.append(f"changed: {changed}, turned by up to {self.turned:.3g} degrees")
+        return "\n".join(lines if self.feet is None else [*lines, str(Steps(**self.feet))])
 
     def to_json(self) -> dict[str, Any]:
         """The same as plain numbers and texts."""
@@ -95,6 +99,7 @@ def follow(
     heading: str = "tangent",
     posture: str = "upright",
     of: Path | None = None,
+    lock_feet: bool = True,
 ) -> Motion:
     """The motion laid along a path: what it does relative to its own path, it does relative to the new one.
 
@@ -114,6 +119,8 @@ def follow(
         On a path with heights. upright: the body is lifted. tangent: it also leans with the slope.
     of
         The path that the clip is on; by default the one that the path is an edit of, or one that is fitted.
+    lock_feet
+        Hold feet still where they stand in the clip, as `lock_feet` does, where the path moves them unevenly.
 
     The path is in the clip's length unit, on the ground x, z with y up: a `Path`, or its points. The own path laid back
     changes nothing; one moved as a whole moves the motion so. The last step of `history` has the numbers of `Following`
@@ -143,18 +150,19 @@ def follow(
     found, back = _found(body, course, given, table, (mode, at_end, heading))
     base = at_frames(body, found.frame)
     plan = _planned(base, course, given, table, found, back, posture)
-    made = carried(base, plan)
+    made, steps = _made(base, plan, found, lock_feet)
     frames = found.frame if every == body.frames else np.mod(found.frame, every)
     cycle = found.cycle if every == body.frames else (found.frame // every).astype(np.int64)
     rows = {"frame": frames + start + ahead, "cycle": cycle, "distance": found.distance}
     if ahead:
         made = _with_lead(made, motion[:ahead], Plan(*(part[:1] for part in plan)))
         rows = {name: np.concatenate([row[:1] if name != "frame" else [0], row]) for name, row in rows.items()}
-    measured = _measured(motion, base, course, table, found, plan.by, rows)
+    measured = _measured(base, made, course, table, found, plan.by, int(cycle[-1]) + 1)
+    measured = replace(measured, feet=None if steps is None else steps.to_json())
     _tell(measured)
     step: dict[str, Any] = {"verb": "follow", "path": as_json(given), "mode": mode, "at_end": at_end}
     step |= {"heading": heading}
-    step |= {"posture": posture, "of": None if own_given is None else as_json(own_given)}
+    step |= {"posture": posture, "of": None if own_given is None else as_json(own_given), "lock_feet": lock_feet}
     step |= {"measured": measured.to_json(), "table": {name: row.tolist() for name, row in rows.items()}}
     return recorded(made, (*clip.history, step))  # type: ignore[return-value]  # a Motion stays one
 
@@ -272,6 +280,16 @@ def _turned(base: Motion, found: Way, some: np.ndarray, old: np.ndarray, new: np
     return turn
 
 
+def _made(base: Motion, plan: Plan, found: Way, lock_feet: bool) -> tuple[Motion, Steps | None]:
+    """The base carried as planned, its feet held if that is asked for and something is not carried as one."""
+    if not lock_feet:
+        return carried(base, plan), None
+    seconds = max(base.duration, base.frame_time)
+    speed = sum(float(np.abs(np.diff(found.own[run])).sum()) for run in _bearing.runs(found.cycle)) / seconds
+    made, steps = stepping(base, plan.by, speed)
+    return carried(made, plan._replace(by=np.zeros_like(plan.by))), steps
+
+
 def _with_lead(made: Motion, first: Motion, plan: Plan) -> Motion:
     """The T-pose in front again, moved as the first frame is."""
     values = np.concatenate([carried(first, plan).values, made.values])
@@ -279,15 +297,15 @@ def _with_lead(made: Motion, first: Motion, plan: Plan) -> Motion:
 
 
 def _measured(
-    motion: Motion, base: Motion, course: Course, table: LengthTable, found: Way, by: np.ndarray, rows: dict[str, Any]
+    base: Motion, made: Motion, course: Course, table: LengthTable, found: Way, by: np.ndarray, cycles: int
 ) -> Following:
-    length = centimetres(motion)
+    length = centimetres(base)
     scale = length or 1.0
     some = np.arange(0, base.frames, max(1, base.frames // LOOKED_AT))
     place = course.path.at(found.own[some], course.table)[0][:, [0, -1]]
     away = np.linalg.norm(roots(base)[some][:, [0, 2]] - place, axis=1)
-    moved = np.flatnonzero(by.any(axis=1))
-    ahead = len(rows["frame"]) - len(by)
+    ahead = made.frames - base.frames
+    moved = ahead + np.flatnonzero((made.values[ahead:] != base.values).any(axis=1))
     return Following(
         unit="cm" if length else "units",
         own_length=scale * course.table.length,
@@ -295,12 +313,12 @@ def _measured(
         travelled=scale * sum(float(np.abs(np.diff(found.distance[run])).sum()) for run in _bearing.runs(found.cycle)),
         beyond=scale * float(np.ptp(found.distance) - np.ptp(np.clip(found.distance, 0.0, table.length))),
         residual=scale * float(np.sqrt(np.mean(away**2))),
-        frames=len(rows["frame"]),
-        cycles=int(rows["cycle"][-1]) + 1,
+        frames=made.frames,
+        cycles=cycles,
         stride=found.stride,
         slower=found.slower,
-        first=int(moved[0]) + ahead if len(moved) else None,
-        last=int(moved[-1]) + ahead if len(moved) else None,
+        first=int(moved[0]) if len(moved) else None,
+        last=int(moved[-1]) if len(moved) else None,
         turned=float(np.degrees(np.abs(by[:, 0]).max(initial=0.0))),
     )
 

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from .. import planar, rotation
-from ..contacts import SPEED, planted
 from ..errors import OptionError, UnknownName
+from ..feet.planted import SPEED, planted
 from ..info import first_frame_is_t_pose
 from ..kinematics import rest_height, world
 from ..motion import Clip, Motion, frame_count, unroll
