@@ -14,7 +14,7 @@ COMMANDS = {
     "join": "One motion over into another, where the two look most alike.",
     "register": "One clip retimed so that it runs in step with another.",
     "loop": "One cycle of a motion, closed and repeated without a seam.",
-    "contacts": "When and where feet stand on the floor, as a table, a time line and JSON to change by hand.",
+    "contacts": "When and where feet stand on the floor: a table, a time line, and JSON to change by hand.",
     "lock-feet": "Feet that slide while they should stand, held still.",
     "compare": "What changed between two clips: per channel, per joint, and as a page to look at.",
     "info": "What a file holds: skeleton, channels, frames, length unit, and what is odd about it.",
