@@ -258,3 +258,33 @@ def test_a_body_that_cannot_be_moved_is_refused(clip: mc.Motion) -> None:
     body = replace(clip, skeleton=fixed, values=clip.values[:, 3:])
     with pytest.raises(Mismatch, match="no joint above 'Hips' has position channels"):
         locked(body, np.zeros((clip.frames, 3)), contacts(body), legs(body))
+
+
+def hinged(clip: mc.Motion, joints: tuple[str, ...]) -> mc.Motion:
+    """The clip with some joints that turn about X alone."""
+    skeleton = clip.skeleton
+    places = [skeleton.joint(name) for name in joints]
+    channels = [("Xrotation",) if joint in places else own for joint, own in enumerate(skeleton.channels)]
+    kept = [not (joint in places and name[-9:] != "Xrotation") for joint, name in _channels(clip)]
+    body = mc.Skeleton(skeleton.names, skeleton.parents, skeleton.offsets, tuple(channels), skeleton.end_sites)
+    return replace(clip, skeleton=body, values=clip.values[:, kept])
+
+
+def _channels(clip: mc.Motion) -> list[tuple[int, str]]:
+    return list(zip(clip.skeleton.channel_joints.tolist(), clip.skeleton.channel_names, strict=True))
+
+
+def test_knees_with_one_channel_are_bent_by_that(clip: mc.Motion) -> None:
+    body = hinged(clip, ("LeftLeg", "RightLeg"))
+    listed = contacts(body)
+    assert listed
+    made, strain = locked(body, bent(body, 300.0), listed, legs(body))
+    assert strain.miss < 1e-6
+    assert slides(body, made, listed) < 1e-6
+
+
+def test_what_ankles_of_one_channel_cannot_do_is_measured(clip: mc.Motion) -> None:
+    body = hinged(clip, ("LeftFoot", "RightFoot"))
+    _, strain = locked(body, bent(body, 100.0), contacts(body), legs(body))
+    assert strain.miss > 0.1
+    assert "miss" in {problem.kind for problem in strain.problems}
