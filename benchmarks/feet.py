@@ -184,10 +184,14 @@ def timed(motion: mc.Motion) -> None:
     both, listed = legs(long), contacts(long)
     carry = carry_onto(long, PATHS["arc 3 m"])
     source = source_of(long, listed, both)
+    still, _ = locked(long, 0.0 * carry, listed, both)
+    done = source_of(still, contacts(still), both)
+    pushed = np.sin(np.pi * np.clip((np.arange(5000) - 2600) / 200.0, 0.0, 1.0))[:, None] ** 2 * [0.0, 2.0, 1.0]
     for label, work in (
         ("contacts found", lambda: contacts(long)),
         ("made ready once", lambda: source_of(long, listed, both)),
         ("carried and locked, with forward kinematics", lambda: held(source, carry)),
+        ("locked already, 200 of them carried elsewhere", lambda: held(done, pushed)),
         ("forward kinematics alone", lambda: kinematics.world(long)),
     ):
         work()

@@ -12,6 +12,7 @@ from legged import with_twist, without
 
 import mocurve as mc
 from mocurve import Contact, Mismatch, planar, rotation
+from mocurve.edit import _locking
 from mocurve.edit._locking import held, locked, source_of
 from mocurve.feet.contacts import contacts
 from mocurve.feet.legs import centimetres, legs
@@ -99,6 +100,23 @@ def test_a_local_edit_leaves_the_rest_as_it_was(clip: mc.Motion) -> None:
     reach = 320 - 73  # 0.6 s before it, and its swing
     assert made.values[: reach - 1].tobytes() == still.values[: reach - 1].tobytes()
     assert not np.array_equal(made.values, still.values)
+
+
+def test_what_is_looked_at_is_enough(clips: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    motion = walk(clips, "cmu_12_01_walk.bvh")
+    both = legs(motion)
+    still, _ = locked(motion, np.zeros((motion.frames, 3)), contacts(motion), both)
+    source = source_of(still, contacts(still), both)
+    for first in (40, 180, 330):
+        u = np.clip((np.arange(motion.frames) - first) / 60.0, 0.0, 1.0)
+        carry = (u * u * (3.0 - 2.0 * u))[:, None] * [0.2, 1.0, -0.5]
+        made, strain = held(source, carry)
+        monkeypatch.setattr(_locking, "_context", lambda sides, active: slice(0, len(active)))
+        whole, same = held(source, carry)
+        monkeypatch.undo()
+        assert 1 <= strain.changed == same.changed < strain.stances == same.stances
+        np.testing.assert_allclose(made.values, whole.values, atol=1e-7)
+        assert strain.drop == pytest.approx(same.drop, abs=1e-9)
 
 
 def test_the_same_source_is_carried_again_and_again(clip: mc.Motion) -> None:

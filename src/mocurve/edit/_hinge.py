@@ -7,7 +7,7 @@ the distance from hip to ankle is sqrt(C + 2 D cos(flexion)).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -47,6 +47,10 @@ class Hinge:
     c: np.ndarray
     d: np.ndarray
     flexion: np.ndarray
+
+    def cut(self, span: slice) -> Hinge:
+        """Some of the frames."""
+        return replace(self, **{f.name: getattr(self, f.name)[span] for f in fields(self) if f.name != "axis"})
 
     def length(self, flexion: np.ndarray) -> np.ndarray:
         """From hip to ankle (F,)."""
