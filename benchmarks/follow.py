@@ -5,7 +5,9 @@ runs, and how long it takes to move one control point.
 
 Distances are compared with an integral on 4096 intervals a span. Forward stepping sums chords of steps of 0.001 of the
 curve until the distance is reached. Laws are the largest distance of a joint, by forward kinematics, from where it has
-to be. Times are medians of processor
+to be. What follows is the worst of the five paths: the largest step and second difference of a joint, times the clip's;
+how fast the balls of the feet slide in contact in the clip, carried and held (cm/s); contacts let go; how far the hips
+go down for it (cm). Times are medians of processor
 times; they hold the verb and the places of all joints at the frames that changed.
 """
 
@@ -15,6 +17,7 @@ import warnings
 from argparse import ArgumentParser
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from itertools import pairwise
 from statistics import median
 from time import process_time
@@ -104,20 +107,26 @@ def lengths(paths: dict[str, mc.Path]) -> None:
 
 def laws(paths: dict[str, mc.Path]) -> None:
     heads = "".join(f"{head:>10}" for head in ("residual", "own path", "moved", "way back", "step", "bend"))
-    print(f"\n{'laws, cm':10}{heads}   (step, bend: worst of the five paths, of the clip's own)")
+    heads += f"{'slide':>8}{'carried':>8}{'held':>8}{'let go':>9}{'drop':>7}"
+    print(f"\n{'laws, cm':10}{heads}")
     for name in CLIPS:
         motion = clip(name)
         own, places = mc.Path.of(motion), world(motion)
         moved = mc.follow(motion, own.moved(MOVED))
         worst = [off(mc.follow(motion, own), places), off(moved, planar.move(MOVED, places)), 0.0]
+        feet = []
         rough = np.zeros(2)
         for path in paths.values():
-            made = mc.follow(motion, path)
+            held = mc.follow(motion, path)
+            feet.append(held.history[-1]["measured"]["feet"])
+            made = mc.follow(motion, path, lock_feet=False)
             rough = np.maximum(rough, jumps(world(made)) / jumps(places))
             if made.frames == motion.frames:
-                worst[2] = max(worst[2], off(mc.follow(made, own), places))
+                worst[2] = max(worst[2], off(mc.follow(made, own, lock_feet=False), places))
         away = CM * float(np.sqrt(np.mean(own.residuals(motion) ** 2)))
         told = "".join(f"{value:10.1e}" for value in worst) + "".join(f"{value:10.2f}" for value in rough)
+        for part, width in (("speed_own", 8), ("speed_slid", 8), ("speed", 8), ("released", 9), ("drop", 7)):
+            told += f"{max(found[part] for found in feet):{width}.1f}"
         print(f"{name:10}{away:10.2f}{told}", flush=True)
 
 
@@ -141,18 +150,19 @@ def latency(rounds: int) -> None:
     points[len(points) // 2] += (5.0, 3.0)
     edit = replace(own, points=points)
 
-    def span() -> np.ndarray:
-        made = mc.follow(motion, edit, mode="span", of=own)
+    def moved(mode: str, lock_feet: bool) -> np.ndarray:
+        made = mc.follow(motion, edit, mode=mode, of=own, lock_feet=lock_feet)
         found = made.history[-1]["measured"]
         return world(made[found["first"] : found["last"] + 1])
 
-    def whole() -> np.ndarray:
-        return world(mc.follow(motion, edit, of=own))
-
     print(f"\none control point of {len(points)} moved, {motion.frames} frames")
-    for name, work in {"span": span, "whole": whole}.items():
-        times = [1e3 * timed(work) for _ in range(rounds + 1)][1:]
-        print(f"{name:10}{len(work()):6} frames{median(times):8.1f} ms, limit {LIMITS[name]:g}", flush=True)
+    for name, mode in {"span": "span", "whole": "arclength"}.items():
+        for lock_feet in (False, True):
+            work = partial(moved, mode, lock_feet)
+            times = [1e3 * timed(work) for _ in range(rounds + 1)][1:]
+            feet = "feet held, " if lock_feet else ""
+            told = f"{name:10}{len(work()):6} frames{median(times):8.1f} ms, {feet}limit {LIMITS[name]:g}"
+            print(told, flush=True)
 
 
 def timed(work: Callable[[], object]) -> float:

@@ -19,6 +19,7 @@ from mocurve.path import Path
 from mocurve.path_fit import gone
 
 MODES = ["arclength", "time", "scaled", "span"]
+AROUND = np.linspace(0, 4, 24)
 FITS: dict[str, dict[str, Any]] = {
     "usual": {},
     "smooth": {"points": 9, "degree": 4, "track": "smooth"},
@@ -180,3 +181,60 @@ def test_on_bends_of_a_metre_bodies_turn_without_a_jerk(name: str, captured: Cal
     made = laid(clip, bend)
     assert edges(made) < 1.1 * edges(clip)
     assert 100 < measured(made)["turned"] < 360
+
+
+# -- feet ----------------------------------------------------------------------------------------
+def test_where_nothing_is_moved_unevenly_feet_are_left_alone(captured: Callable[[str], mc.Motion]) -> None:
+    clip = captured("02_01_walk_blender")
+    path = Path.of(clip)
+    assert mc.follow(clip, path).values.tobytes() == clip.values.tobytes()
+    moved = mc.follow(clip, path.moved(MOVED))
+    np.testing.assert_allclose(world(moved), planar.move(MOVED, world(clip)), atol=1e-9)
+    assert measured(moved)["feet"] is None
+
+
+@pytest.mark.parametrize("name", ["12_01_walk", "02_01_walk_blender"])
+def test_feet_that_stand_do_not_slide_along_another_path(name: str, captured: Callable[[str], mc.Motion]) -> None:
+    clip = captured(name)
+    bend = mc.Path(100 / 5.6444 * np.stack([1 - np.cos(AROUND), np.sin(AROUND)], axis=1))
+    made = mc.follow(clip, bend)
+    feet = measured(made)["feet"]
+    assert feet["speed_slid"] > 14 > feet["speed_own"] > 7  # cm/s: the clip slides, the bend doubles it
+    assert feet["speed"] < 0.01
+    assert feet["released"] == 0
+    assert feet["drop"] < 2.5
+    stood = mc.contacts(made)
+    own = [contact for contact in mc.contacts(clip) if contact.last - contact.first > 30]
+    assert sum(any(a.first <= c.last and c.first <= a.last for a in stood) for c in own) == len(own)
+    assert edges(made) < 1.1 * edges(clip)
+
+
+def test_feet_of_a_local_edit_change_only_what_is_near(captured: Callable[[str], mc.Motion]) -> None:
+    clip = captured("12_01_walk")
+    path = Path.of(clip, points=16)
+    points = np.array(path.points)
+    points[4] += (4, 1)
+    edit = replace(path, points=points)
+    plain, held = (mc.follow(clip, edit, mode="span", lock_feet=lock) for lock in (False, True))
+    near = round(1.5 / clip.frame_time)
+    assert measured(held)["first"] >= measured(plain)["first"] - near
+    last = measured(held)["last"]
+    assert last <= measured(plain)["last"] + near
+    assert held.values[last + 1 :].tobytes() == clip.values[last + 1 :].tobytes()
+    assert measured(held)["feet"]["speed"] < measured(held)["feet"]["speed_slid"]
+    assert edges(held) < 1.1 * edges(clip)
+
+
+def test_a_path_that_asks_too_much_of_the_legs_is_told(captured: Callable[[str], mc.Motion]) -> None:
+    clip = captured("02_01_walk_blender")
+    ahead = np.linspace(0, 70, 40)
+    with pytest.warns(UserWarning, match=r"the path asks much of the legs: .*at frames \d+ to \d+"):
+        made = mc.follow(clip, mc.Path(np.stack([12 * np.sin(ahead / 4), ahead], axis=1)))
+    assert np.isfinite(made.values).all()
+
+
+def test_a_body_without_knees_is_carried_and_that_is_said() -> None:
+    clip = walking()
+    with pytest.warns(UserWarning, match="feet are not held: "):
+        made = mc.follow(clip, bent(Path.of(clip)))
+    assert made.values.tobytes() == laid(clip, bent(Path.of(clip))).values.tobytes()

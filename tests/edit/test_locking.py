@@ -12,6 +12,7 @@ from legged import with_twist, without
 
 import mocurve as mc
 from mocurve import Contact, Mismatch, planar, rotation
+from mocurve.edit import _locking
 from mocurve.edit._locking import held, locked, source_of
 from mocurve.feet.contacts import contacts
 from mocurve.feet.legs import centimetres, legs
@@ -99,6 +100,23 @@ def test_a_local_edit_leaves_the_rest_as_it_was(clip: mc.Motion) -> None:
     reach = 320 - 73  # 0.6 s before it, and its swing
     assert made.values[: reach - 1].tobytes() == still.values[: reach - 1].tobytes()
     assert not np.array_equal(made.values, still.values)
+
+
+def test_what_is_looked_at_is_enough(clips: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    motion = walk(clips, "cmu_12_01_walk.bvh")
+    both = legs(motion)
+    still, _ = locked(motion, np.zeros((motion.frames, 3)), contacts(motion), both)
+    source = source_of(still, contacts(still), both)
+    for first in (40, 180, 330):
+        u = np.clip((np.arange(motion.frames) - first) / 60.0, 0.0, 1.0)
+        carry = (u * u * (3.0 - 2.0 * u))[:, None] * [0.2, 1.0, -0.5]
+        made, strain = held(source, carry)
+        monkeypatch.setattr(_locking, "_context", lambda sides, active: slice(0, len(active)))
+        whole, same = held(source, carry)
+        monkeypatch.undo()
+        assert 1 <= strain.changed == same.changed < strain.stances == same.stances
+        np.testing.assert_allclose(made.values, whole.values, atol=1e-7)
+        assert strain.drop == pytest.approx(same.drop, abs=1e-9)
 
 
 def test_the_same_source_is_carried_again_and_again(clip: mc.Motion) -> None:
@@ -258,3 +276,33 @@ def test_a_body_that_cannot_be_moved_is_refused(clip: mc.Motion) -> None:
     body = replace(clip, skeleton=fixed, values=clip.values[:, 3:])
     with pytest.raises(Mismatch, match="no joint above 'Hips' has position channels"):
         locked(body, np.zeros((clip.frames, 3)), contacts(body), legs(body))
+
+
+def hinged(clip: mc.Motion, joints: tuple[str, ...]) -> mc.Motion:
+    """The clip with some joints that turn about X alone."""
+    skeleton = clip.skeleton
+    places = [skeleton.joint(name) for name in joints]
+    channels = [("Xrotation",) if joint in places else own for joint, own in enumerate(skeleton.channels)]
+    kept = [not (joint in places and name[-9:] != "Xrotation") for joint, name in _channels(clip)]
+    body = mc.Skeleton(skeleton.names, skeleton.parents, skeleton.offsets, tuple(channels), skeleton.end_sites)
+    return replace(clip, skeleton=body, values=clip.values[:, kept])
+
+
+def _channels(clip: mc.Motion) -> list[tuple[int, str]]:
+    return list(zip(clip.skeleton.channel_joints.tolist(), clip.skeleton.channel_names, strict=True))
+
+
+def test_knees_with_one_channel_are_bent_by_that(clip: mc.Motion) -> None:
+    body = hinged(clip, ("LeftLeg", "RightLeg"))
+    listed = contacts(body)
+    assert listed
+    made, strain = locked(body, bent(body, 300.0), listed, legs(body))
+    assert strain.miss < 1e-6
+    assert slides(body, made, listed) < 1e-6
+
+
+def test_what_ankles_of_one_channel_cannot_do_is_measured(clip: mc.Motion) -> None:
+    body = hinged(clip, ("LeftFoot", "RightFoot"))
+    _, strain = locked(body, bent(body, 100.0), contacts(body), legs(body))
+    assert strain.miss > 0.1
+    assert "miss" in {problem.kind for problem in strain.problems}

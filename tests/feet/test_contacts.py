@@ -156,6 +156,9 @@ def test_contacts_are_objects_with_all_parts_that_do_not_overlap() -> None:
         read_contacts([{"joint": "LToe", "first": 3, "last": 9}], body, both)
     with pytest.raises(OptionError, match="is an object with joint"):
         read_contacts(["LToe"], body, both)  # type: ignore[list-item]
+    for odd in (5, "LToe", {"contacts": []}):
+        with pytest.raises(OptionError, match="contacts are a list of them, not"):
+            read_contacts(odd, body, both)  # type: ignore[arg-type]
     with pytest.raises(OptionError, match="two contacts of 'LToe' share frame 9"):
         read_contacts([WHOLE, WHOLE | {"first": 9, "last": 12}], body, both)
     assert len(read_contacts([WHOLE, WHOLE | {"joint": "LFoot"}, WHOLE | {"first": 10, "last": 12}], body, both)) == 3
@@ -165,3 +168,7 @@ def test_contacts_come_back_from_json() -> None:
     clip = walk_left()
     found = contacts(clip)
     assert read_contacts([contact.to_json() for contact in found], clip, legs(clip)) == found
+    numbers = [WHOLE | {"first": np.int64(3), "place": np.array([1.0, 2.0, 3.0])}]
+    (contact,) = read_contacts(numbers, clip, legs(clip))
+    assert contact == Contact("LToe", 3, 9, (1.0, 2.0, 3.0))
+    assert type(contact.first) is int

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from legged import with_twist, without
 
 import mocurve as mc
-from mocurve import Mismatch, UnknownName
+from mocurve import Mismatch, OptionError, UnknownName
 from mocurve.feet.legs import legs, tracks
 from mocurve.kinematics import world
 
@@ -92,11 +93,11 @@ def test_the_heel_is_on_the_floor_behind_the_ankle(clip: mc.Motion) -> None:
         (["LeftToeBase", "RightToBase"], UnknownName, "Did you mean 'RightToeBase'"),
         (["LeftHand", "RightToeBase"], None, ""),
         (["Hips", "RightToeBase"], Mismatch, "hangs on no leg"),
+        ([5, 6], OptionError, "two names of joints"),
+        (5, OptionError, "two names of joints"),
     ],
 )
-def test_feet_that_cannot_be_are_refused(
-    clip: mc.Motion, feet: list[str], error: type[Exception] | None, words: str
-) -> None:
+def test_feet_that_cannot_be_are_refused(clip: mc.Motion, feet: Any, error: type[Exception] | None, words: str) -> None:
     if error is None:
         assert told(clip, feet)[0][2] == "LeftForeArm"  # whoever asks for hands to stand on gets them
         return

@@ -16,7 +16,7 @@ COMMANDS = {
     "loop": "One cycle of a motion, closed and repeated without a seam.",
     "path": "The path of a clip over the ground, as control points to edit.",
     "follow": "A clip laid along a path: what it does relative to its own path, it does relative to the new one.",
-    "contacts": "When and where feet stand on the floor, as a table, a time line and JSON to change by hand.",
+    "contacts": "When and where feet stand on the floor: a table, a time line, and JSON to change by hand.",
     "lock-feet": "Feet that slide while they should stand, held still.",
     "compare": "What changed between two clips: per channel, per joint, and as a page to look at.",
     "info": "What a file holds: skeleton, channels, frames, length unit, and what is odd about it.",

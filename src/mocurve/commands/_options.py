@@ -58,7 +58,7 @@ def _options(verb: Callable[..., Any]) -> list[inspect.Parameter]:
     options = []
     for option in inspect.signature(verb).parameters.values():
         if option.kind is option.KEYWORD_ONLY:
-            off = f"--no-{option.name}" if option.default is True else None
+            off = f"--no-{option.name.replace('_', '-')}" if option.default is True else None
             given = Parameter(help=told[option.name], negative=off)
             options.append(option.replace(annotation=Annotated[_typed(hints[option.name]), given]))
     return options

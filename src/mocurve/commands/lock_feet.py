@@ -12,13 +12,14 @@ from cyclopts import Parameter
 from ..edit import lock_feet as locking
 from ..errors import FileError
 from ..formats import read
+from ..formats._files import opened
 from ._edits import Edited, Lossless, Output, changed, check_files, finish, sentence
 from ._options import Json, Profile, Source, Unit, with_options_of
 from ._terminal import told_when_compiling
 
 Contacts = Annotated[
     Path | None,
-    Parameter(help="When and where feet stand: what mocurve contacts --json printed, changed by hand or not."),
+    Parameter(help="When and where feet stand: what mocurve contacts wrote, changed by hand or not."),
 ]
 
 
@@ -57,10 +58,11 @@ def lock_feet(
 def _listed(path: Path) -> list[Mapping[str, Any]]:
     """Contacts of a JSON file: a list of them, or an object with such a list."""
     try:
-        given = notation.loads(path.read_bytes())
+        with opened(path) as stream:
+            given = notation.loads(stream.read())
     except (ValueError, RecursionError) as error:
-        raise FileError(f"{path}: no JSON: {error}") from None
+        raise FileError(f"no JSON: {error}", path) from None
     listed = given.get("contacts") if isinstance(given, dict) else given
     if not isinstance(listed, list):
-        raise FileError(f"{path}: no list of contacts, as mocurve contacts --json prints it")
+        raise FileError("no list of contacts, as mocurve contacts writes it", path)
     return listed

@@ -70,8 +70,8 @@ def _clear(heading, feet, source, spans, standing, longest, hurry):  # type: ign
 
 @kernel
 def _widest(heading, feet, low, high, x, z, size, most, enough):  # type: ignore[no-untyped-def]
-    """How far apart the feet can be kept in a swing by the smallest bump, from this size on, that is enough or else best;
-    and its size."""
+    """How far apart the feet can be kept in a swing by the smallest bump, from this size on, that is enough or else
+    best; and its size."""
     best, chosen = 0.0, 0.0
     while size <= most:
         apart = _apart(heading, feet, low, high, size * x, size * z)

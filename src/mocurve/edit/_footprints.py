@@ -30,6 +30,10 @@ class Prints:
     taken: np.ndarray
     uneven: np.ndarray
 
+    def cut(self, some: slice) -> Prints:
+        """Some of the stances."""
+        return Prints(self.taken[some], self.uneven[some])
+
 
 @dataclass(frozen=True, eq=False)
 class Targets:

@@ -7,7 +7,7 @@ the distance from hip to ankle is sqrt(C + 2 D cos(flexion)).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -20,6 +20,7 @@ STRAIGHT = np.radians(6.0)  # flexion below which its length is continued as a s
 DAMPED = np.radians(25.0)  # the same for a leg that swings: there the knee is damped
 MOST = np.radians(15.0)  # how far the damped knee goes from where it was wanted
 RIGID = 0.03  # sine of the bend: a knee that never bends more has no axis of its own
+TURNING = np.radians(20.0)  # in all, there and back: a knee that turns less tells no axis
 LEAST = np.radians(1.0)  # flexion that a swinging knee keeps, unless the source had less
 SWIVEL = 0.5  # part of the foot's extra turn that the whole leg makes, so that the ankle need not
 
@@ -47,6 +48,10 @@ class Hinge:
     d: np.ndarray
     flexion: np.ndarray
 
+    def cut(self, span: slice) -> Hinge:
+        """Some of the frames."""
+        return replace(self, **{f.name: getattr(self, f.name)[span] for f in fields(self) if f.name != "axis"})
+
     def length(self, flexion: np.ndarray) -> np.ndarray:
         """From hip to ankle (F,)."""
         return np.sqrt(self.c + 2.0 * self.d * np.cos(flexion))
@@ -69,7 +74,7 @@ def hinge_of(motion: Motion, leg: Leg, places: np.ndarray, turned: np.ndarray) -
     thigh, carrier, shin, foot = np.moveaxis(turned, 1, 0)
     back = rotation.inv(carrier)
     p, q = rotation.rotate(back, hip - knee), rotation.rotate(back, ankle - knee)
-    axis = _axis(p, q, rotation.rotate(back, ball - ankle))
+    axis = _axis(p, q, rotation.rotate(back, ball - ankle), rotation.mul(back, shin))
     along_p, along_q = p @ axis, q @ axis
     across_p, across_q = p - along_p[:, None] * axis, q - along_q[:, None] * axis
     d = np.linalg.norm(across_p, axis=1) * np.linalg.norm(across_q, axis=1)
@@ -117,15 +122,20 @@ def reached(
 # -- in call order ---------------------------------------------------------------------------------
 
 
-def _axis(p: np.ndarray, q: np.ndarray, forward: np.ndarray) -> np.ndarray:
-    """The direction (3,) that is most nearly normal to p and q, positive for the way the knee bends most."""
-    usual = np.cross(-p, q)
-    sizes = np.linalg.norm(p, axis=1) * np.linalg.norm(q, axis=1)
-    if (np.linalg.norm(usual, axis=1) < RIGID * sizes).all():
-        usual = np.cross(p, forward)  # a knee that never bends: it would bend backwards
-    axis = np.linalg.eigh(usual.T @ usual)[1][:, 2]
-    sense = float((usual @ axis).sum())
-    return axis if sense >= 0 else -axis
+def _axis(p: np.ndarray, q: np.ndarray, forward: np.ndarray, bends: np.ndarray) -> np.ndarray:
+    """The direction (3,) that the knee turns about most, positive for the way it bends. bends: its rotations (F, 4).
+
+    Not the normal of the leg's plane: where bones stand askew to the hinge that is another direction, and a knee of one
+    channel could not turn about it. A knee that hardly turns has only the normal, a straight one what is across the
+    foot.
+    """
+    normals = np.cross(-p, q)
+    if (np.linalg.norm(normals, axis=1) < RIGID * np.linalg.norm(p, axis=1) * np.linalg.norm(q, axis=1)).all():
+        normals = np.cross(p, forward)
+    steps = rotation.log(rotation.mul(bends[1:], rotation.inv(bends[:-1])))
+    turns = steps if np.linalg.norm(steps, axis=1).sum() > TURNING else normals
+    axis: np.ndarray = np.linalg.eigh(turns.T @ turns)[1][:, 2]
+    return axis if (normals @ axis).sum() >= 0 else -axis
 
 
 def _about_y(angle: np.ndarray) -> np.ndarray:

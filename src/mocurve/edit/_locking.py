@@ -43,6 +43,12 @@ class Side:
     above: np.ndarray
     shank: np.ndarray
 
+    def cut(self, span: slice) -> tuple[Side, slice]:
+        """Some of the frames, and which stances are in them."""
+        stances, kept = self.stances.cut(span)
+        parts = (part[span] for part in (self.offset, self.above, self.shank))
+        return Side(self.leg, self.hinge.cut(span), stances, *parts), kept
+
 
 @dataclass(frozen=True, eq=False)
 class Source:
@@ -91,30 +97,26 @@ def held(source: Source, carry: np.ndarray) -> tuple[Motion, Strain]:
     made = carried(base, carry)
     carry = carry[source.lead :] * [1.0, source.scale, source.scale]
     marks = [prints(side.stances, carry) for side in sides]
-    changed = [
-        _standing(side.stances, side.stances.changed | (mark.uneven > STILL))
-        for side, mark in zip(sides, marks, strict=True)
-    ]
-    if not np.any(changed):
-        return made, Strain.none(sum(len(side.stances.spans) for side in sides))
-    active, free = _windows(sides, np.any(changed, axis=0), base.frame_time)
-    pulls = [_pull(side, carry, own, base.frame_time) for side, own in zip(sides, changed, strict=True)]
+    changed = [side.stances.changed | (mark.uneven > STILL) for side, mark in zip(sides, marks, strict=True)]
+    counts = sum(map(len, changed)), int(sum(map(np.sum, changed)))
+    if not counts[1]:
+        return made, Strain.none(counts[0])
+    moves = np.array([_standing(side.stances, own) for side, own in zip(sides, changed, strict=True)])
+    active, free = _windows(sides, np.logical_or(*moves), base.frame_time)
+    window = _context(sides, active)
+    parts = [side.cut(window) for side in sides]
+    sides = tuple(side for side, _ in parts)
+    marks = [mark.cut(kept) for mark, (_, kept) in zip(marks, parts, strict=True)]
+    even = bool(np.abs(np.diff(carry, axis=0)).max(initial=0.0) < 1e-9)
+    carry, moves, active, free = carry[window], moves[:, window], active[window], free[window]
+    pulls = [_pull(side, carry, own, base.frame_time) for side, own in zip(sides, moves, strict=True)]
     shift, aims = _solved(sides, marks, pulls, carry, ~free, base.frame_time)
     turns, short = _legs_set(sides, pulls, aims, shift, carry, active)
-    frames = source.lead + np.flatnonzero(active)
-    made = set_anew(made, source.bearer, shift[active] / source.scale, turns, frames)
-    strain = Strain.of(
-        made[source.lead :],
-        source.scale,
-        shift,
-        carry,
-        [side.stances for side in sides],
-        aims,
-        short,
-        [side.leg for side in sides],
-        changed,
-    )
-    return made, strain.later(source.lead)
+    lead = source.lead + window.start
+    made = set_anew(made, source.bearer, shift[active] / source.scale, turns, lead + np.flatnonzero(active))
+    places = source.scale * world(made[lead : lead + len(carry)])
+    tracks = _taken(sides, aims, places, shift, carry[:, 0], moves, short)
+    return made, Strain.of(*counts, tracks, even, base.frame_time).later(lead)
 
 
 # -- in call order ---------------------------------------------------------------------------------
@@ -168,6 +170,20 @@ def _windows(sides: Sequence[Side], changed: np.ndarray, frame_time: float) -> t
             if end - first <= 2 * reach and beside[first:end].any():
                 active[first:end] = True
     return active, free
+
+
+def _context(sides: Sequence[Side], active: np.ndarray) -> slice:
+    """The frames that have to be looked at: those that may change and, for each leg, a stance on both sides of them.
+    What is cut off at either end has no part in what they become."""
+    inside = np.flatnonzero(active)
+    first, end = int(inside[0]), int(inside[-1]) + 1
+    firsts, ends = [first], [end]
+    for side in sides:
+        spans = side.stances.spans
+        before, after = spans[spans[:, 0] <= first, 0], spans[spans[:, 1] >= end, 1]
+        firsts.append(int(before[-1]) if len(before) else 0)
+        ends.append(int(after[0]) if len(after) else len(active))
+    return slice(max(min(firsts) - 2, 0), min(max(ends) + 2, len(active)))  # two frames in which nothing is shifted
 
 
 def _pull(side: Side, carry: np.ndarray, changed: np.ndarray, frame_time: float) -> Legs:
@@ -235,3 +251,25 @@ def _legs_set(
         foot = rotation.mul(planar.quaternion(np.stack([aim.yaw] + [0.0 * aim.yaw] * 2, axis=1)), hinge.foot)
         turns[leg.ankle] = rotation.mul(rotation.inv(rotation.mul(shin, side.shank)), foot)
     return {joint: turned[active] for joint, turned in turns.items()}, short
+
+
+def _taken(
+    sides: Sequence[Side],
+    aims: Sequence[Targets],
+    places: np.ndarray,
+    shift: np.ndarray,
+    heading: np.ndarray,
+    moves: np.ndarray,
+    short: np.ndarray,
+) -> dict[str, np.ndarray]:
+    """What was taken of each kind of `_reach.LIMITS` in every frame (F,), measured on the places (F, J, 3), cm."""
+    off = [np.linalg.norm(places[:, s.leg.ball] - aim.ball, axis=1) for s, aim in zip(sides, aims, strict=True)]
+    turned = [np.degrees(np.abs(aim.yaw - heading)) for aim in aims]
+    swings = np.array([side.stances.of < 0 for side in sides])
+    return {
+        "drop": -shift[:, 1],
+        "shift": np.linalg.norm(shift[:, [0, 2]], axis=1),
+        "twist": np.where(moves, turned, 0.0).max(axis=0),
+        "miss": np.where(moves, off, 0.0).max(axis=0),
+        "short": np.where(swings, np.abs(short), 0.0).max(axis=0),
+    }

@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..errors import OptionError
 from ..feet.contacts import runs
-from ..feet.legs import Leg
-from ..kinematics import world
-from ..motion import Motion
-from ._footprints import Targets
-from ._stances import Stances
 
 # what may be asked of a body, cm and degrees
 LIMITS = {"drop": 2.5, "shift": 4.0, "twist": 45.0, "miss": 0.05, "short": 4.0}
@@ -76,45 +71,17 @@ class Strain:
         return cls(stances, 0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
     @classmethod
-    def of(
-        cls,
-        made: Motion,
-        scale: float,
-        shift: np.ndarray,
-        carry: np.ndarray,
-        stood: Sequence[Stances],
-        aims: Sequence[Targets],
-        short: np.ndarray,
-        legs: Sequence[Leg],
-        changed: Sequence[np.ndarray],
-    ) -> Strain:
-        """Measured on the motion that was made."""
-        places = world(made)
-        tracks: dict[str, np.ndarray] = {
-            "drop": -shift[:, 1],
-            "shift": np.linalg.norm(shift[:, [0, 2]], axis=1),
-            "twist": np.zeros(len(shift)),
-            "miss": np.zeros(len(shift)),
-            "short": np.zeros(len(shift)),
-        }
-        for stance, aim, lacking, leg, held in zip(stood, aims, short, legs, changed, strict=True):
-            off = np.linalg.norm(scale * places[:, leg.ball] - aim.ball, axis=1)
-            tracks["miss"] = np.maximum(tracks["miss"], np.where(held, off, 0.0))
-            turned = np.degrees(np.abs(aim.yaw - carry[:, 0]))
-            tracks["twist"] = np.maximum(tracks["twist"], np.where(held, turned, 0.0))
-            tracks["short"] = np.maximum(tracks["short"], np.where(stance.of < 0, np.abs(lacking), 0.0))
+    def of(cls, stances: int, changed: int, tracks: Mapping[str, np.ndarray], even: bool, frame_time: float) -> Strain:
+        """From what was taken of each kind in every frame (F,). even: whether all frames are carried alike."""
         found = {kind: float(max(track.max(initial=0.0), 0.0)) for kind, track in tracks.items()}
-        even = np.abs(np.diff(carry, axis=0)).max(initial=0.0) < 1e-9
         problems = [
             problem
             for kind, track in tracks.items()
             if found[kind] > LIMITS[kind]
-            for problem in _problems(kind, track, even, made.frame_time)
+            for problem in _problems(kind, track, even, frame_time)
         ]
         problems.sort(key=lambda problem: -problem.value / LIMITS[problem.kind])
-        spans = [stance.spans for stance in stood]
-        some = sum(int(held[starts[:, 0]].sum()) for starts, held in zip(spans, changed, strict=True))
-        return cls(sum(map(len, spans)), some, **found, problems=tuple(problems))
+        return cls(stances, changed, **found, problems=tuple(problems))
 
     def refuse(self, frame_time: float, mend: str) -> None:
         """OptionError with the worst problems, if there are any, and what can be done instead."""

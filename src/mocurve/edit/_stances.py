@@ -47,6 +47,22 @@ class Stances:
     exact: np.ndarray
     minded: np.ndarray
 
+    def cut(self, span: slice) -> tuple[Stances, slice]:
+        """Some of the frames, and which stances are in them."""
+        inside = np.flatnonzero((self.spans[:, 1] > span.start) & (self.spans[:, 0] < span.stop))
+        kept = slice(int(inside[0]), int(inside[-1]) + 1) if len(inside) else slice(0, 0)
+        of = self.of[span]
+        return Stances(
+            np.clip(self.spans[kept] - span.start, 0, len(of)),
+            np.where(of >= 0, of - kept.start, -1),
+            self.places[kept],
+            self.placed[kept],
+            self.changed[kept],
+            self.pinned[span],
+            self.exact[span],
+            self.minded[span],
+        ), kept
+
     def mean(self, values: np.ndarray) -> np.ndarray:
         """Mean (N, M) over each stance of values (F, M)."""
         inside = self.of >= 0

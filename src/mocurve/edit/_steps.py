@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from ..errors import MocurveError
+from .. import planar
+from ..errors import MocurveError, OptionError
 from ..feet.contacts import Contact, found
 from ..feet.legs import Leg, centimetres, legs
-from ..feet.skate import skate
+from ..kinematics import world
 from ..motion import Motion
 from ._body import carried
 from ._locking import held, source_of
@@ -21,6 +22,7 @@ from ._reach import Problem, Strain
 RUNS = 220.0  # cm/s: faster bodies run
 WALKING, RUNNING = 15.0, 45.0  # cm/s: slower feet come to stand
 HEIGHT = 4.0  # cm above the floor that a standing foot may be
+NEAR = 2.5  # seconds around what is touched that are looked at
 TRIES = 12  # times that contacts are let go
 # cm and degrees: what is asked of a body beyond its usual limits is told; beyond these, contacts are let go instead
 MOST = {"drop": 5.0, "shift": 7.0, "twist": 75.0, "miss": 2.0}
@@ -31,7 +33,8 @@ CHANGES = 1e-9  # of a carry from frame to frame: less is none
 class Steps:
     """Contacts of feet with the floor, and how they were kept; centimetres.
 
-    contacts: of balls and heels in the clip. released: those let go because the body would be pulled out of shape.
+    contacts: of balls and heels, where the path changes the clip. released: those let go, because the body would be
+    pulled out of shape.
     speed_own, speed_slid, speed: how fast balls slide in contact: in the clip, carried along the path, and held.
     drop, shift: how far the hips go down and aside for it at most.
     """
@@ -70,20 +73,29 @@ def stepping(base: Motion, carry: np.ndarray, speed: float) -> tuple[Motion, Ste
         both = legs(base)
         slow = RUNNING if speed * centimetres(base) > RUNS else WALKING
         listed = found(base, both, slow, HEIGHT)
-        made, strain, released = _released(base, carry, listed, both, touched)
+        if not listed:
+            raise OptionError("no foot stands anywhere")
+        part = _part(touched, listed, base.frame_time)
+        inside = [
+            replace(contact, first=contact.first - part.start, last=contact.last - part.start)
+            for contact in listed
+            if part.start <= contact.first and contact.last < part.stop
+        ]
+        made, strain, released = _released(base[part], carry[part], inside, both, touched[part])
     except MocurveError as error:
         warnings.warn(f"feet are not held: {error}", stacklevel=4)
         return carried(base, carry), None
-    if not listed:
-        warnings.warn("feet are not held: no foot stands anywhere", stacklevel=4)
-        return made, None
-    names = {base.skeleton.names[leg.ball] for leg in both}
-    balls = [contact for contact in listed if contact.joint in names]
-    own, slid, now = (
-        sliding.speed if sliding is not None else 0.0
-        for sliding in (skate(clip, balls, both, base, slow) for clip in (base, carried(base, carry), made))
+    plain = carried(base, carry)
+    values = np.array(plain.values, order="F")
+    values[part] = made.values
+    met = [contact for contact in inside if touched[part][contact.first : contact.last + 1].any()]
+    return replace(plain, values=values), Steps(
+        contacts=len(met),
+        released=released,
+        **_sliding(base[part], carry[part], made, met, both),
+        drop=strain.drop,
+        shift=strain.shift,
     )
-    return made, Steps(len(listed), released, own, slid, now, strain.drop, strain.shift)
 
 
 # -- in call order ---------------------------------------------------------------------------------
@@ -97,6 +109,15 @@ def _touched(carry: np.ndarray) -> np.ndarray:
     touched[:-1] |= moves
     touched[1:] |= moves
     return touched
+
+
+def _part(touched: np.ndarray, listed: Sequence[Contact], frame_time: float) -> slice:
+    """The frames that holding feet has to do with: those that are touched, what is near, and whole contacts."""
+    near = round(NEAR / frame_time)
+    some = np.flatnonzero(touched)
+    first, last = max(int(some[0]) - near, 0), min(int(some[-1]) + near, len(touched) - 1)
+    cut = [contact for contact in listed if contact.first <= last and first <= contact.last]
+    return slice(min([first, *(c.first for c in cut)]), max([last, *(c.last for c in cut)]) + 1)
 
 
 def _released(
@@ -131,3 +152,22 @@ def _at(problem: Problem, listed: Sequence[Contact]) -> list[Contact]:
     """The contacts during a problem, or else the nearest ones."""
     away = [max(contact.first - problem.last, problem.first - contact.last, 0) for contact in listed]
     return [contact for contact, frames in zip(listed, away, strict=True) if frames == min(away)]
+
+
+def _sliding(
+    base: Motion, carry: np.ndarray, made: Motion, listed: Sequence[Contact], both: Sequence[Leg]
+) -> dict[str, float]:
+    """How fast balls slide in contact, mean over all frames: in the clip, carried, and held."""
+    balls = {base.skeleton.names[leg.ball]: leg.ball for leg in both}
+    places = world(base)[:, list(balls.values())]
+    tracks = places, planar.move(carry[:, None], places), world(made)[:, list(balls.values())]
+    columns = {name: column for column, name in enumerate(balls)}
+    scale, told = centimetres(base) / base.frame_time, {}
+    for name, track in zip(("speed_own", "speed_slid", "speed"), tracks, strict=True):
+        steps = [
+            np.linalg.norm(np.diff(track[c.first : c.last + 1, columns[c.joint]][:, [0, 2]], axis=0), axis=1)
+            for c in listed
+            if c.joint in columns
+        ]
+        told[name] = scale * float(np.concatenate([*steps, np.zeros(0)]).mean()) if any(map(len, steps)) else 0.0
+    return told

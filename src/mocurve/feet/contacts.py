@@ -6,7 +6,7 @@ is; two thresholds instead of one (hysteresis), so that a contact does not flick
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from itertools import pairwise
 from typing import Any
@@ -93,6 +93,8 @@ def read_contacts(
     given: Sequence[Contact | Mapping[str, Any]], motion: Motion, both: Sequence[Leg]
 ) -> tuple[Contact, ...]:
     """Contacts from what was given, checked against a clip: OptionError, UnknownName or Mismatch for what cannot be."""
+    if isinstance(given, str | Mapping) or not isinstance(given, Iterable):
+        raise OptionError(f"contacts are a list of them, not {given!r}")
     names = motion.skeleton.names
     known = sorted({names[joint] for leg in both for joint in (leg.ball, leg.ankle)})
     listed = [_read(one, motion.frames, known) for one in given]
@@ -186,7 +188,7 @@ def _read(one: Contact | Mapping[str, Any], frames: int, known: Sequence[str]) -
     if joint not in known:
         raise UnknownName("ball or ankle of a leg", str(joint), known)
     for frame in (first, last):
-        if isinstance(frame, bool) or not isinstance(frame, int) or not 0 <= frame < frames:
+        if isinstance(frame, bool) or not isinstance(frame, int | np.integer) or not 0 <= frame < frames:
             raise OptionError(f"a contact of {joint!r} has the frame {frame!r}: the clip has frames 0 to {frames - 1}")
     if last < first:
         raise OptionError(f"a contact of {joint!r} ends at frame {last}, before its first, {first}")
@@ -196,4 +198,4 @@ def _read(one: Contact | Mapping[str, Any], frames: int, known: Sequence[str]) -
         raise OptionError(f"the place of a contact is three numbers, not {row['place']!r}") from None
     if not np.isfinite([x, y, z]).all() or max(abs(x), abs(y), abs(z)) > 1e12:
         raise OptionError(f"the place of a contact is three numbers, not {row['place']!r}")
-    return Contact(joint, first, last, (x, y, z))
+    return Contact(joint, int(first), int(last), (x, y, z))

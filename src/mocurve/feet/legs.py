@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .. import rotation
-from ..errors import Mismatch
+from ..errors import Mismatch, OptionError
 from ..info import unit_of
 from ..kinematics import rest_height, rest_offsets, world, world_rotations
 from ..motion import Motion
@@ -44,6 +44,8 @@ def legs(motion: Motion, feet: str | Sequence[str] | None = None) -> tuple[Leg, 
     """
     skeleton = motion.skeleton
     names = [feet] if isinstance(feet, str) else feet
+    if names is not None and not (isinstance(names, Sequence) and all(isinstance(name, str) for name in names)):
+        raise OptionError(f"feet are two names of joints, not {feet!r}")
     ankles = _named(skeleton, names) if names is not None else _found(skeleton)
     if len({ankle for ankle, _ in ankles}) != 2:
         told = ", ".join(repr(skeleton.names[joint]) for joint, _ in ankles[:6]) or "none"
