@@ -7,8 +7,8 @@ Distances are compared with an integral on 4096 intervals a span. Forward steppi
 curve until the distance is reached. Laws are the largest distance of a joint, by forward kinematics, from where it has
 to be. What follows is the worst of the five paths: the largest step and second difference of a joint, times the clip's;
 how fast the balls of the feet slide in contact in the clip, carried and held (cm/s); contacts let go; how far the hips
-go down for it (cm). Times are medians of processor
-times; they hold the verb and the places of all joints at the frames that changed.
+go down for it (cm). Times are medians of processor times; they hold the verb and the places of all joints at the frames
+that changed.
 """
 
 from __future__ import annotations
@@ -109,7 +109,7 @@ def laws(paths: dict[str, mc.Path]) -> None:
     heads = "".join(f"{head:>10}" for head in ("residual", "own path", "moved", "way back", "step", "bend"))
     heads += f"{'slide':>8}{'carried':>8}{'held':>8}{'let go':>9}{'drop':>7}"
     print(f"\n{'laws, cm':10}{heads}")
-    for name in CLIPS:
+    for name, heading in [*((name, "tangent") for name in CLIPS), ("09_12", "facing")]:
         motion = clip(name)
         own, places = mc.Path.of(motion), world(motion)
         moved = mc.follow(motion, own.moved(MOVED))
@@ -117,17 +117,17 @@ def laws(paths: dict[str, mc.Path]) -> None:
         feet = []
         rough = np.zeros(2)
         for path in paths.values():
-            held = mc.follow(motion, path)
+            held = mc.follow(motion, path, heading=heading)
             feet.append(held.history[-1]["measured"]["feet"])
-            made = mc.follow(motion, path, lock_feet=False)
+            made = mc.follow(motion, path, heading=heading, lock_feet=False)
             rough = np.maximum(rough, jumps(world(made)) / jumps(places))
-            if made.frames == motion.frames:
+            if heading == "tangent":
                 worst[2] = max(worst[2], off(mc.follow(made, own, lock_feet=False), places))
         away = CM * float(np.sqrt(np.mean(own.residuals(motion) ** 2)))
         told = "".join(f"{value:10.1e}" for value in worst) + "".join(f"{value:10.2f}" for value in rough)
         for part, width in (("speed_own", 8), ("speed_slid", 8), ("speed", 8), ("released", 9), ("drop", 7)):
             told += f"{max(found[part] for found in feet):{width}.1f}"
-        print(f"{name:10}{away:10.2f}{told}", flush=True)
+        print(f"{name:10}{away:10.2f}{told}{'  facing' if heading == 'facing' else ''}", flush=True)
 
 
 def off(made: mc.Motion, wanted: np.ndarray) -> float:

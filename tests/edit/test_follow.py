@@ -230,6 +230,11 @@ def test_a_path_that_asks_too_much_of_the_legs_is_told(captured: Callable[[str],
     ahead = np.linspace(0, 70, 40)
     with pytest.warns(UserWarning, match=r"the path asks much of the legs: .*at frames \d+ to \d+"):
         made = mc.follow(clip, mc.Path(np.stack([12 * np.sin(ahead / 4), ahead], axis=1)))
+    assert measured(made)["feet"]["released"] == 0
+    assert measured(made)["feet"]["speed"] < 0.01
+    with pytest.warns(UserWarning, match=r"; \d of 10 contacts are let go"):
+        made = mc.follow(clip, mc.Path(np.stack([12 * np.sin(ahead / 2.2), ahead], axis=1)))
+    assert 0 < measured(made)["feet"]["released"] < 10
     assert np.isfinite(made.values).all()
 
 

@@ -120,13 +120,13 @@ def follow(
     of
         The path that the clip is on; by default the one that the path is an edit of, or one that is fitted.
     lock_feet
-        Hold feet still where they stand in the clip, as `lock_feet` does, where the path moves them unevenly.
+        Hold feet still where they stand in the clip, as the verb lock_feet does, where the path moves them unevenly.
 
     The path is in the clip's length unit, on the ground x, z with y up: a `Path`, or its points. The own path laid back
     changes nothing; one moved as a whole moves the motion so. The last step of `history` has the numbers of `Following`
     under "measured", and under "table" of every frame which frame it was, in which cycle, and its distance along the
-    path. Feet slide where the path bends otherwise than before. Errors: OptionError and Mismatch for
-    paths and options that do not fit the clip. Warnings: of a clip that goes nowhere, of strides beyond 0.6 to 1.15.
+    path. Errors: OptionError and Mismatch for paths and options that do not fit the clip. Warnings: of a clip that goes
+    nowhere, of strides beyond 0.6 to 1.15, of a path that asks too much of the legs, of a body that has none.
 
     >>> tour = mc.follow(walk, mc.Path([(0, 0), (200, 80), (400, -80), (600, 0)]), at_end="cycle")
     """
@@ -329,6 +329,6 @@ def _tell(measured: Following) -> None:
     if not STRIDES[0] <= measured.stride <= STRIDES[1]:
         warnings.warn(
             f"the edit makes strides {measured.stride:.3g} times as long, beyond {STRIDES[0]} to {STRIDES[1]}: "
-            f"the rest goes into time, {measured.slower:.3g} times as much, and feet slide",
+            f"the rest goes into time, {measured.slower:.3g} times as much",
             stacklevel=3,
         )
