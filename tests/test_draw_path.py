@@ -6,6 +6,7 @@ from pathlib import Path as File
 
 import numpy as np
 import pytest
+from paths import laid
 from PIL import Image
 from walks import PERIOD, walk
 
@@ -25,7 +26,7 @@ def test_the_own_path_is_red_and_a_new_one_green() -> None:
     clip, new = walk(2 * PERIOD), mc.Path([(0, 0), (200, 0), (200, 200)])
     own = Path.of(clip)
     alone = draw_path.picture(clip, own, None, None, width=500)
-    both = draw_path.picture(clip, own, mc.follow(clip, new), new, width=500)
+    both = draw_path.picture(clip, own, laid(clip, new), new, width=500)
     assert min(amount(alone, RED), amount(both, RED), amount(both, GREEN), 2 * amount(both, BLUE)) > 200
     assert amount(alone, GREEN) == 0
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path as File
 
@@ -247,6 +248,21 @@ def test_one_frame_and_two_have_a_path() -> None:
 def test_points_and_degrees_are_checked(points: object, options: dict, told: str) -> None:
     with pytest.raises(OptionError) as error:
         mc.Path(points, **options)
+    assert told in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("asked", "told"),
+    [
+        (lambda path: path.at(np.nan), "a distance along a path is a number"),
+        (lambda path: path.at("x"), "a distance along a path is a number, not 'x'"),
+        (lambda path: path.moved((1, 2)), "moved by three numbers: an angle, x and z"),
+        (lambda path: path.moved((1, 2, np.inf)), "moved by three numbers: an angle, x and z"),
+    ],
+)
+def test_what_is_asked_of_a_path_is_checked(asked: Callable[[Path], object], told: str) -> None:
+    with pytest.raises(OptionError) as error:
+        asked(mc.Path([(0, 0), (1, 1)]))
     assert told in str(error.value)
 
 

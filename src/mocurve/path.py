@@ -41,7 +41,7 @@ class Fit:
     def __post_init__(self) -> None:
         for what, name, names in (("kind of path", self.kind, KINDS), ("track", self.track, TRACKS)):
             if name not in names:
-                raise UnknownName(what, str(name), names)
+                raise UnknownName(what, name, names)
         if self.points is not None and not _whole(self.points, 2, MOST_POINTS):
             raise OptionError(f"a path has 2 to {MOST_POINTS} points, not {self.points!r}")
         if not _whole(self.degree, 1, MOST_DEGREE):
@@ -153,10 +153,8 @@ class Path:
         has one, and 0 where there is none. table: of `table()`, where it is at hand.
         """
         table = table or self.table()
-        distance = np.asarray(distance, np.float64)
+        distance = _numbers(distance, "a distance along a path is a number")
         flat = distance.reshape(-1)
-        if not np.isfinite(flat).all():
-            raise OptionError("a distance along a path is a number")
         parameter = table.parameter(flat)
         places = self.place(parameter)
         beyond = flat - np.clip(flat, 0.0, table.length)
@@ -178,7 +176,10 @@ class Path:
     def moved(self, by: np.ndarray | tuple[float, float, float]) -> Path:
         """The path turned about the vertical and shifted: by = angle in radians (from +z towards +x), x, z."""
         flat = np.insert(self.points, 1, 0.0, axis=1) if self.points.shape[1] == 2 else self.points
-        points = planar.move(np.asarray(by, np.float64), flat)
+        told = "a path is moved by three numbers: an angle, x and z"
+        if (taken := _numbers(by, told)).shape != (3,):
+            raise OptionError(told)
+        points = planar.move(taken, flat)
         return replace(self, points=points if self.points.shape[1] == 3 else points[:, [0, 2]])
 
     # -- the curve over its parameter, 0 to 1 ------------------------------------------------------
@@ -280,6 +281,17 @@ class Path:
 def chebyshev_places(count: int) -> np.ndarray:
     """(N,) parameters from 0 to 1 of the points of a polynomial: the extrema of a Chebyshev polynomial."""
     return 0.5 - 0.5 * np.cos(np.pi * np.arange(count) / (count - 1))
+
+
+def _numbers(given: object, told: str) -> np.ndarray:
+    """Finite floats; OptionError that tells what is wanted."""
+    try:
+        numbers = np.asarray(given, np.float64)
+    except (TypeError, ValueError):
+        raise OptionError(f"{told}, not {given!r}") from None
+    if not np.isfinite(numbers).all():
+        raise OptionError(told)
+    return numbers
 
 
 def _whole(number: object, least: int, most: int) -> bool:

@@ -23,6 +23,7 @@ RUNS = 220.0  # cm/s: faster bodies run
 WALKING, RUNNING = 15.0, 45.0  # cm/s: slower feet come to stand
 HEIGHT = 4.0  # cm above the floor that a standing foot may be
 NEAR = 2.5  # seconds around what is touched that are looked at
+SHORT = 1.0  # seconds: it is no wonder if in less no foot stands
 TRIES = 12  # times that contacts are let go
 # cm and degrees: what is asked of a body beyond its usual limits is told; beyond these, contacts are let go instead
 MOST = {"drop": 5.0, "shift": 7.0, "twist": 75.0, "miss": 2.0}
@@ -54,6 +55,25 @@ class Steps:
             f"clip {self.speed_own:.2f}); the hips go down by up to {self.drop:.2g} cm and aside by {self.shift:.2g}"
         )
 
+    @classmethod
+    def of(cls, parts: Sequence[Steps | None]) -> Steps | None:
+        """The numbers of several parts of a motion as one; None where no feet were held in any."""
+        some = [part for part in parts if part is not None]
+        if len(some) < 2:
+            return some[0] if some else None
+        weights = [max(part.contacts, 1e-9) for part in some]
+        means = {
+            name: float(np.average([getattr(part, name) for part in some], weights=weights))
+            for name in ("speed_own", "speed_slid", "speed")
+        }
+        return cls(
+            contacts=sum(part.contacts for part in some),
+            released=sum(part.released for part in some),
+            **means,
+            drop=max(part.drop for part in some),
+            shift=max(part.shift for part in some),
+        )
+
     def to_json(self) -> dict[str, Any]:
         """The same as plain numbers."""
         return asdict(self)
@@ -74,7 +94,9 @@ def stepping(base: Motion, carry: np.ndarray, speed: float) -> tuple[Motion, Ste
         slow = RUNNING if speed * centimetres(base) > RUNS else WALKING
         listed = found(base, both, slow, HEIGHT)
         if not listed:
-            raise OptionError("no foot stands anywhere")
+            if base.duration > SHORT:
+                raise OptionError("no foot stands anywhere")
+            return carried(base, carry), None
         part = _part(touched, listed, base.frame_time)
         inside = [
             replace(contact, first=contact.first - part.start, last=contact.last - part.start)
@@ -83,7 +105,8 @@ def stepping(base: Motion, carry: np.ndarray, speed: float) -> tuple[Motion, Ste
         ]
         made, strain, released = _released(base[part], carry[part], inside, both, touched[part])
     except MocurveError as error:
-        warnings.warn(f"feet are not held: {error}", stacklevel=4)
+        reason = str(error).split(";")[0]  # without options that are another verb's
+        warnings.warn(f"feet are not held: {reason}", stacklevel=4)
         return carried(base, carry), None
     plain = carried(base, carry)
     values = np.array(plain.values, order="F")

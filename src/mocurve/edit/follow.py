@@ -133,6 +133,8 @@ def follow(
     given = _path(path)
     own_given = None if of is None else _path(of)
     _check(mode, at_end, heading, posture, own_given)
+    if not isinstance(lock_feet, bool):
+        raise OptionError(f"lock_feet is true or false, not {lock_feet!r}")
     tell_sampled((clip,), "a body is moved along a path frame by frame")
     motion = complete(clip.sample())
     if not motion.frames:
@@ -284,10 +286,12 @@ def _made(base: Motion, plan: Plan, found: Way, lock_feet: bool) -> tuple[Motion
     """The base carried as planned, its feet held if that is asked for and something is not carried as one."""
     if not lock_feet:
         return carried(base, plan), None
-    seconds = max(base.duration, base.frame_time)
-    speed = sum(float(np.abs(np.diff(found.own[run])).sum()) for run in _bearing.runs(found.cycle)) / seconds
-    made, steps = stepping(base, plan.by, speed)
-    return carried(made, plan._replace(by=np.zeros_like(plan.by))), steps
+    parts = []
+    for run in _bearing.runs(found.cycle):  # where the motion begins again nothing is held
+        speed = float(np.ptp(found.own[run])) / max((run.stop - run.start) * base.frame_time, base.frame_time)
+        parts.append(stepping(base[run], plan.by[run], speed))
+    made = replace(base, values=np.concatenate([part.values for part, _ in parts]), report=None)
+    return carried(made, plan._replace(by=np.zeros_like(plan.by))), Steps.of([steps for _, steps in parts])
 
 
 def _with_lead(made: Motion, first: Motion, plan: Plan) -> Motion:
