@@ -22,7 +22,11 @@ def repeated(motion: Motion, length: float) -> tuple[Motion, int, int]:
     """The motion as often as a path of this length takes, the frame where its cycle begins, and the cycle's frames."""
     start, end = _whole(motion)
     close = "linear" if end is not None else "crossfade"
-    several = loop(motion, start=start, end=end, cycles=TRIED, close=close)
+    try:
+        several = loop(motion, start=start, end=end, cycles=TRIED, close=close)
+    except OptionError as error:
+        reason = str(error).removesuffix("; say start and end")
+        raise OptionError(f"{reason}: make a cycle with loop, and let that follow the path") from error
     told = several.history[-1]["measured"]
     goes = fitted(several, Fit()).length / TRIED
     if not goes > MOVED * _size(world(motion)):

@@ -22,7 +22,7 @@ from ._reach import Problem, Strain
 RUNS = 220.0  # cm/s: faster bodies run
 WALKING, RUNNING = 15.0, 45.0  # cm/s: slower feet come to stand
 HEIGHT = 4.0  # cm above the floor that a standing foot may be
-NEAR = 2.5  # seconds around what is touched that are looked at
+NEAR = 5.0  # seconds around what is touched in which feet and the floor are looked for
 SHORT = 1.0  # seconds: it is no wonder if in less no foot stands
 TRIES = 12  # times that contacts are let go
 # cm and degrees: what is asked of a body beyond its usual limits is told; beyond these, contacts are let go instead
@@ -86,39 +86,28 @@ def stepping(base: Motion, carry: np.ndarray, speed: float) -> tuple[Motion, Ste
     speed: of the body, file units a second. Feet that slide in the clip are held too, but only where its frames are not
     carried as one.
     """
-    touched = _touched(carry)
+    touched, plain = _touched(carry), carried(base, carry)
     if not touched.any():
-        return carried(base, carry), None
+        return plain, None
+    some, near = np.flatnonzero(touched), round(NEAR / base.frame_time)
+    span = slice(max(int(some[0]) - near, 0), int(some[-1]) + near + 1)
+    part, moves, touched = base[span], carry[span], touched[span]
     try:
-        both = legs(base)
+        both = legs(part)
         slow = RUNNING if speed * centimetres(base) > RUNS else WALKING
-        listed = found(base, both, slow, HEIGHT)
-        if not listed:
-            if base.duration > SHORT:
-                raise OptionError("no foot stands anywhere")
-            return carried(base, carry), None
-        part = _part(touched, listed, base.frame_time)
-        inside = [
-            replace(contact, first=contact.first - part.start, last=contact.last - part.start)
-            for contact in listed
-            if part.start <= contact.first and contact.last < part.stop
-        ]
-        made, strain, released = _released(base[part], carry[part], inside, both, touched[part])
+        listed = found(part, both, slow, HEIGHT)
+        if not listed and base.duration > SHORT:
+            raise OptionError("no foot stands anywhere")
+        made, strain, released = _released(part, moves, listed, both, touched, span.start)
     except MocurveError as error:
         reason = str(error).split(";")[0]  # without options that are another verb's
         warnings.warn(f"feet are not held: {reason}", stacklevel=4)
-        return carried(base, carry), None
-    plain = carried(base, carry)
+        return plain, None
     values = np.array(plain.values, order="F")
-    values[part] = made.values
-    met = [contact for contact in inside if touched[part][contact.first : contact.last + 1].any()]
-    return replace(plain, values=values), Steps(
-        contacts=len(met),
-        released=released,
-        **_sliding(base[part], carry[part], made, met, both),
-        drop=strain.drop,
-        shift=strain.shift,
-    )
+    values[span] = made.values
+    met = [contact for contact in listed if touched[contact.first : contact.last + 1].any()]
+    own, slid, now = _sliding(part, moves, made, met, both)
+    return replace(plain, values=values), Steps(len(met), released, own, slid, now, strain.drop, strain.shift)
 
 
 # -- in call order ---------------------------------------------------------------------------------
@@ -134,24 +123,16 @@ def _touched(carry: np.ndarray) -> np.ndarray:
     return touched
 
 
-def _part(touched: np.ndarray, listed: Sequence[Contact], frame_time: float) -> slice:
-    """The frames that holding feet has to do with: those that are touched, what is near, and whole contacts."""
-    near = round(NEAR / frame_time)
-    some = np.flatnonzero(touched)
-    first, last = max(int(some[0]) - near, 0), min(int(some[-1]) + near, len(touched) - 1)
-    cut = [contact for contact in listed if contact.first <= last and first <= contact.last]
-    return slice(min([first, *(c.first for c in cut)]), max([last, *(c.last for c in cut)]) + 1)
-
-
 def _released(
-    base: Motion, carry: np.ndarray, listed: Sequence[Contact], both: Sequence[Leg], touched: np.ndarray
+    base: Motion, carry: np.ndarray, listed: Sequence[Contact], both: Sequence[Leg], touched: np.ndarray, first: int
 ) -> tuple[Motion, Strain, int]:
-    """The motion with its feet held in as many contacts as its body allows, and how many it does not."""
+    """The motion, which begins at a frame `first`, with its feet held in as many contacts as its body allows, and how
+    many it does not."""
     kept = list(listed)
     worst: Problem | None = None
     for _ in range(TRIES):
         made, strain = held(source_of(base, kept, both, touched), carry)
-        worst = worst or (strain.problems[0] if strain.problems else None)
+        worst = worst or (strain.later(first).problems[0] if strain.problems else None)
         bad = {
             c
             for problem in strain.problems
@@ -179,18 +160,17 @@ def _at(problem: Problem, listed: Sequence[Contact]) -> list[Contact]:
 
 def _sliding(
     base: Motion, carry: np.ndarray, made: Motion, listed: Sequence[Contact], both: Sequence[Leg]
-) -> dict[str, float]:
-    """How fast balls slide in contact, mean over all frames: in the clip, carried, and held."""
-    balls = {base.skeleton.names[leg.ball]: leg.ball for leg in both}
-    places = world(base)[:, list(balls.values())]
-    tracks = places, planar.move(carry[:, None], places), world(made)[:, list(balls.values())]
-    columns = {name: column for column, name in enumerate(balls)}
-    scale, told = centimetres(base) / base.frame_time, {}
-    for name, track in zip(("speed_own", "speed_slid", "speed"), tracks, strict=True):
+) -> list[float]:
+    """How fast balls slide in contact, cm/s, mean over all frames: in the clip, carried, and held."""
+    balls = [leg.ball for leg in both]
+    columns = {base.skeleton.names[ball]: column for column, ball in enumerate(balls)}
+    places = world(base)[:, balls]
+    scale, told = centimetres(base) / base.frame_time, []
+    for track in (places, planar.move(carry[:, None], places), world(made)[:, balls]):
         steps = [
             np.linalg.norm(np.diff(track[c.first : c.last + 1, columns[c.joint]][:, [0, 2]], axis=0), axis=1)
             for c in listed
             if c.joint in columns
         ]
-        told[name] = scale * float(np.concatenate([*steps, np.zeros(0)]).mean()) if any(map(len, steps)) else 0.0
+        told.append(scale * float(np.concatenate(steps).mean()) if any(map(len, steps)) else 0.0)
     return told
