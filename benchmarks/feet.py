@@ -22,25 +22,25 @@ from mocurve import kinematics, planar, rotation
 from mocurve.edit._body import carried
 from mocurve.edit._locking import held, locked, source_of
 from mocurve.edit._reach import Strain
-from mocurve.feet.contacts import contacts, found
+from mocurve.feet.contacts import contacts, found, slowness
 from mocurve.feet.legs import Leg, centimetres, legs, tracks
 from mocurve.feet.skate import skate
 from mocurve.info import first_frame_is_t_pose
 
-CLIPS = {  # name: file, speed below which a foot comes to stand, cm/s
-    "12_01": ("cmu_12_01_walk.bvh", 15.0),
-    "16_15": ("cmu_16_15.amc", 15.0),
-    "02_01": ("cmu_02_01_walk_blender.bvh", 15.0),
-    "09_12": ("cmu_09_12.amc", 15.0),
-    "16_41": ("cmu_16_41.amc", 45.0),
-    "02_03": ("cmu_02_03.amc", 45.0),
+CLIPS = {
+    "12_01": "cmu_12_01_walk.bvh",
+    "16_15": "cmu_16_15.amc",
+    "02_01": "cmu_02_01_walk_blender.bvh",
+    "09_12": "cmu_09_12.amc",
+    "16_41": "cmu_16_41.amc",
+    "02_03": "cmu_02_03.amc",
 }
 STALL = 20.0  # cm/s: slower, the way has no heading of its own
 COLUMNS = "skate re-det    tip  ankle   heel kept% | knee  p99   rot   lin  pelv | drop shift twist  miss short   gap"
 
 
 def clip(name: str) -> mc.Motion:
-    path = folder() / "cmu" / CLIPS[name][0]
+    path = folder() / "cmu" / CLIPS[name]
     body: dict[str, Path] = {"skeleton": folder() / "cmu" / f"cmu_{name[:2]}.asf"} if path.suffix == ".amc" else {}
     motion = mc.read(path, **body)
     assert isinstance(motion, mc.Motion)
@@ -158,11 +158,11 @@ def main() -> None:
     only = asked.parse_args().only
     warnings.simplefilter("ignore")  # no frame rate in Acclaim files
     print(f"{'clip':7}{'path':10}{COLUMNS}")
-    for name, (_, speed) in CLIPS.items():
+    for name in CLIPS:
         if only not in name:
             continue
         source = clip(name)
-        both, listed = legs(source), contacts(source, speed=speed)
+        both, listed, speed = legs(source), contacts(source), slowness(source)
         own, ankles = joints_calm(source, both), sliding(source, source, listed, both, speed)
         print(row(name, "source", ankles, own / own, Strain.none(0), gap(source, both)), flush=True)
         for path, heading in {"still": None, **PATHS}.items():

@@ -13,7 +13,7 @@ from legged import FPS, stepping, still_body, walk_left
 
 import mocurve as mc
 from mocurve import Contact, Mismatch, OptionError, UnknownName
-from mocurve.feet.contacts import contacts, read_contacts
+from mocurve.feet.contacts import RUNNING, WALKING, contacts, read_contacts, slowness
 from mocurve.feet.legs import legs
 
 
@@ -106,6 +106,23 @@ def test_a_jump_lands_on_both_feet(jump: Path) -> None:
 @pytest.mark.parametrize("frames", [0, 1])
 def test_a_single_frame_has_no_contacts(frames: int, jump: Path) -> None:
     assert contacts(mc.read(jump)[:frames]) == ()
+
+
+def test_a_body_that_runs_has_faster_feet() -> None:
+    body = still_body(200)
+    for pace, slow in ((190.0, WALKING), (210.0, RUNNING)):
+        values = body.values.copy()
+        values[:, 2] += pace * np.arange(200) / FPS
+        assert slowness(replace(body, values=values)) == slow
+    assert slowness(body[:1]) == WALKING
+
+
+def test_runs_and_walks_of_real_clips_are_told_apart(clips: Path) -> None:
+    for name, slow in (("cmu_02_01_walk_blender", WALKING), ("cmu_12_01_walk", WALKING), ("cmu_run_filtered", RUNNING)):
+        motion = mc.read(clips / "cmu" / f"{name}.bvh")
+        assert isinstance(motion, mc.Motion)
+        assert slowness(motion) == slow
+        assert mc.contacts(motion) == mc.contacts(motion, speed=slow)
 
 
 # -- refusals --------------------------------------------------------------------------------------

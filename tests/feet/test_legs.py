@@ -118,6 +118,11 @@ def test_a_body_without_knees_is_refused() -> None:
         legs(mc.Motion(skeleton, np.zeros((3, 1)), 0.01), ["LeftFoot", "RightFoot"])
 
 
+def test_feet_of_one_name_are_refused(clip: mc.Motion) -> None:
+    with pytest.raises(Mismatch, match="several joints of the feet are called 'ToeBase'"):
+        legs(renamed(clip, ("LeftToeBase", "ToeBase"), ("RightToeBase", "ToeBase")))
+
+
 def test_legs_of_all_clips_are_found(clips: Path) -> None:
     expected = {
         "other/rokoko_dance_fingers.bvh": "LeftUpLeg LeftLeg LeftFoot LeftToeBase",

@@ -44,7 +44,7 @@ def lock_feet(
 
     For example:
       mocurve lock-feet jump.bvh -o locked.bvh
-      mocurve lock-feet run.bvh -o locked.bvh --speed 45 --release
+      mocurve lock-feet run.bvh -o locked.bvh --speed 30 --release
       mocurve lock-feet jump.bvh -o locked.bvh --contacts contacts.json --json
     """
     check_files(output, file, *([] if contacts is None else [contacts]))

@@ -62,23 +62,31 @@ def prints(stances: Stances, carry: np.ndarray) -> Prints:
 
 
 def targets(stances: Stances, prints: Prints, carry: np.ndarray, offset: np.ndarray, frame_time: float) -> Targets:
-    """Where the foot is to be in every frame. offset: (F, 3) from ball to ankle in the source."""
-    pinned = stances.pinned
-    inside = stances.of >= 0
+    """Where the foot is to be in every frame. offset: (F, 3) from ball to ankle in the source.
+
+    Over the ground, places are complex numbers z + i x, which a turn by an angle multiplies by exp(i angle).
+    """
+    pinned, inside = stances.pinned, stances.of >= 0
+    place, turn, shift = _ground(pinned), np.exp(1j * carry[:, 0]), carry[:, 2] + 1j * carry[:, 1]
     away = np.zeros((len(pinned), 3))
-    if inside.any():
-        taken = prints.taken[stances.of[inside]]
-        ball = planar.move(taken, pinned[inside])
-        away[inside, :2] = (planar.move(planar.inverse(carry[inside]), ball) - pinned[inside])[:, GROUND]
-        away[inside, 2] = taken[:, 0] - carry[inside, 0]
+    taken = prints.taken[stances.of[inside]]
+    stands = np.exp(1j * taken[:, 0]) * place[inside] + taken[:, 2] + 1j * taken[:, 1]
+    off = np.conj(turn[inside]) * (stands - shift[inside]) - place[inside]
+    away[inside, 0], away[inside, 1], away[inside, 2] = off.imag, off.real, taken[:, 0] - carry[inside, 0]
     away = filled(away, stances.spans, frame_time)
-    shifted = pinned.copy()
-    shifted[:, GROUND] += away[:, :2]
-    ball, yaw = planar.move(carry, shifted), carry[:, 0] + away[:, 2]
-    if inside.any():  # not by way of the body: a foot that stands is still to the last digit
-        ball[inside], yaw[inside] = planar.move(taken, pinned[inside]), taken[:, 0]
-    turn = np.stack([yaw, np.zeros_like(yaw), np.zeros_like(yaw)], axis=1)
-    return Targets(ball, ball + planar.move(turn, offset), yaw)
+    there, yaw = turn * (place + away[:, 1] + 1j * away[:, 0]) + shift, carry[:, 0] + away[:, 2]
+    there[inside], yaw[inside] = stands, taken[:, 0]  # not by way of the body: a foot that stands is still
+    ankle = there + np.exp(1j * yaw) * _ground(offset)
+    height = pinned[:, 1]
+    return Targets(
+        np.column_stack([there.imag, height, there.real]),
+        np.column_stack([ankle.imag, height + offset[:, 1], ankle.real]),
+        yaw,
+    )
+
+
+def _ground(places: np.ndarray) -> np.ndarray:
+    return places[:, 2] + 1j * places[:, 0]
 
 
 def relieved(

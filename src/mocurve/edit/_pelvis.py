@@ -31,12 +31,16 @@ def shifted(legs: list[tuple[Legs, np.ndarray]], at: np.ndarray, fixed: np.ndarr
     """The best shift (F, 3), the knees linear about the shift `at`. legs: each with its ankle targets (F, 3). Where
     `fixed` (F,) the shift is none."""
     frames = len(at)
-    band, right = _quiet(frames, frame_time, fixed), np.zeros((frames, 3))
+    band, right = _quiet(frames, frame_time, fixed), np.zeros((3, frames))
     for leg, target in legs:
         _add(band, right, leg, target, at, frame_time)
-    # both are stored frame after frame: the unknowns are x, y, z of the first, then of the second
+    # filled axis after axis, solved frame after frame: the unknowns are x, y, z of the first, then of the second
     found = solveh_banded(
-        band.reshape(BAND, 3 * frames), right.reshape(-1), lower=True, overwrite_ab=True, check_finite=False
+        band.transpose(0, 2, 1).reshape(BAND, 3 * frames),
+        right.T.reshape(-1),
+        lower=True,
+        overwrite_ab=True,
+        check_finite=False,
     )
     result: np.ndarray = found.reshape(frames, 3)
     result[fixed] = 0.0
@@ -47,36 +51,36 @@ def shifted(legs: list[tuple[Legs, np.ndarray]], at: np.ndarray, fixed: np.ndarr
 
 
 def _quiet(frames: int, frame_time: float, fixed: np.ndarray) -> np.ndarray:
-    """Lower band (9, F, 3) of: a small shift, without haste."""
-    band = np.zeros((BAND, frames, 3))
-    band[0] = np.array([SIDEWAYS, UP, SIDEWAYS]) ** -2.0
+    """Lower band (9, 3, F) of: a small shift, without haste."""
+    band = np.zeros((BAND, 3, frames))
+    band[0] = np.array([SIDEWAYS, UP, SIDEWAYS])[:, None] ** -2.0
     weight = (HURRIES * frame_time * frame_time) ** -2.0
     for first, a in enumerate((1.0, -2.0, 1.0)):
         for second, b in enumerate((1.0, -2.0, 1.0)[first:]):
-            band[3 * second, first : frames - 2 + first] += weight * a * b
-    band[0, fixed] += FAST
+            band[3 * second, :, first : frames - 2 + first] += weight * a * b
+    band[0][:, fixed] += FAST
     return band
 
 
 def _add(band: np.ndarray, right: np.ndarray, leg: Legs, target: np.ndarray, at: np.ndarray, frame_time: float) -> None:
     """A leg's pull: the flexion off what is wanted, and its second difference, both as bend + slope . shift."""
-    to = leg.hip + at - target
-    length = np.linalg.norm(to, axis=1)
+    to = (leg.hip + at - target).T
+    length = np.sqrt((to * to).sum(axis=0))
     flexion, slope = leg.hinge.bend(length)
-    pull = to * (slope / length)[:, None]
-    off = flexion - leg.wanted - (pull * at).sum(axis=1)
+    pull = to * (slope / length)  # (3, F)
+    off = flexion - leg.wanted - (pull * at.T).sum(axis=0)
     _square(band, right, pull, off, leg.weight / BENDS**2)
-    rows = np.concatenate([pull[:-2], -2.0 * pull[1:-1], pull[2:]], axis=1)
+    rows = np.concatenate([pull[:, :-2], -2.0 * pull[:, 1:-1], pull[:, 2:]])
     change = off[:-2] - 2.0 * off[1:-1] + off[2:]
     _square(band, right, rows, change, leg.weight[1:-1] / (QUICKENS * frame_time**2) ** 2)
 
 
 def _square(band: np.ndarray, right: np.ndarray, rows: np.ndarray, off: np.ndarray, weight: np.ndarray) -> None:
-    """Add the squares weight (row . unknowns + off)^2, row t beginning at the first unknown of frame t."""
-    count, wide = rows.shape
-    heavy = rows * weight[:, None]
+    """Add the squares weight (row . unknowns + off)^2, rows (3 or 9, T) beginning at the first unknown of frame t."""
+    wide, count = rows.shape
+    heavy = rows * weight
     for j in range(wide):
         at = slice(j // 3, j // 3 + count)
-        right[at, j % 3] -= heavy[:, j] * off
+        right[j % 3, at] -= heavy[j] * off
         for i in range(wide - j):
-            band[i, at, j % 3] += heavy[:, j] * rows[:, i + j]
+            band[i, j % 3, at] += heavy[j] * rows[j + i]

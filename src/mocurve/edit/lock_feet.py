@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ..feet.contacts import Contact, found, positive, read_contacts
+from ..feet.contacts import Contact, found, positive, read_contacts, slowness
 from ..feet.legs import Leg, legs
 from ..feet.skate import Skate, skate
 from ..motion import Clip, Motion
@@ -68,7 +68,7 @@ def lock_feet(
     contacts: Sequence[Contact | Mapping[str, Any]] | None = None,
     *,
     feet: str | Sequence[str] | None = None,
-    speed: float = 15.0,
+    speed: float | None = None,
     height: float = 4.0,
     release: bool = False,
 ) -> Motion:
@@ -82,7 +82,8 @@ def lock_feet(
     feet
         The ball (toe base) of each foot; by default found by name and shape.
     speed
-        Centimetres a second: slower than this a foot comes to stand, at twice the speed it leaves. Walks 15, runs 45.
+        Centimetres a second: slower than this a foot comes to stand, at twice the speed it leaves. By default 15, or 45
+        where the body runs.
     height
         Centimetres above the floor that a standing foot may be.
     release
@@ -102,14 +103,15 @@ def lock_feet(
     motion = complete(clip.sample())
     tell_sampled([clip], "feet are locked frame by frame")
     both = legs(motion, feet)
-    listed = found(motion, both, speed, height) if contacts is None else read_contacts(contacts, motion, both)
+    slow = slowness(motion) if speed is None else speed
+    listed = found(motion, both, slow, height) if contacts is None else read_contacts(contacts, motion, both)
     if contacts is None and not listed:
         warnings.warn(
             "no foot stands anywhere: nothing is locked; the option speed says how slow is standing", stacklevel=2
         )
     made, strain, released = _released(motion, listed, both) if release else (*_locked(motion, listed, both), ())
     strain.refuse(motion.frame_time, "Contacts can be changed, or let go with the option release")
-    measured = _measured(motion, made, listed, both, speed, strain, released)
+    measured = _measured(motion, made, listed, both, slow, strain, released)
     given = None if contacts is None else [contact.to_json() for contact in listed]
     named = feet if feet is None or isinstance(feet, str) else list(feet)
     told = {"verb": "lock_feet", "contacts": given, "feet": named, "speed": speed, "height": height, "release": release}

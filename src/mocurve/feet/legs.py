@@ -59,6 +59,10 @@ def legs(motion: Motion, feet: str | Sequence[str] | None = None) -> tuple[Leg, 
     for ankle, ball in ankles:
         hip, knee = _thigh(motion, bones, top, ankle)
         found.append((hip, knee, ankle, _ball(skeleton, bones, ankle, SHORT * bones.sum()) if ball < 0 else ball))
+    names = [skeleton.names[joint] for joints in found for joint in dict.fromkeys(joints[2:])]
+    twice = next((name for i, name in enumerate(names) if name in names[:i]), None)
+    if twice is not None:
+        raise Mismatch(f"several joints of the feet are called {twice!r}: contacts are told apart by name")
     return tuple(Leg(*joints, heel) for joints, heel in zip(found, _heels(motion, found), strict=True))
 
 
