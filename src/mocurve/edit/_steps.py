@@ -11,7 +11,7 @@ import numpy as np
 
 from .. import planar
 from ..errors import MocurveError, OptionError
-from ..feet.contacts import Contact, found
+from ..feet.contacts import Contact, found, slowness
 from ..feet.legs import Leg, centimetres, legs
 from ..kinematics import world
 from ..motion import Motion
@@ -19,8 +19,6 @@ from ._body import carried
 from ._locking import held, source_of
 from ._reach import Problem, Strain
 
-RUNS = 220.0  # cm/s: faster bodies run
-WALKING, RUNNING = 15.0, 45.0  # cm/s: slower feet come to stand
 HEIGHT = 4.0  # cm above the floor that a standing foot may be
 NEAR = 5.0  # seconds around what is touched in which feet and the floor are looked for
 SHORT = 1.0  # seconds: it is no wonder if in less no foot stands
@@ -79,12 +77,11 @@ class Steps:
         return asdict(self)
 
 
-def stepping(base: Motion, carry: np.ndarray, speed: float) -> tuple[Motion, Steps | None]:
+def stepping(base: Motion, carry: np.ndarray) -> tuple[Motion, Steps | None]:
     """The motion carried by planar transforms (F, 3), its feet held in contact; None where no foot is changed or there
     are no legs, which is told by a warning.
 
-    speed: of the body, file units a second. Feet that slide in the clip are held too, but only where its frames are not
-    carried as one.
+    Feet that slide in the clip are held too, but only where its frames are not carried as one.
     """
     touched, plain = _touched(carry), carried(base, carry)
     if not touched.any():
@@ -94,8 +91,7 @@ def stepping(base: Motion, carry: np.ndarray, speed: float) -> tuple[Motion, Ste
     part, moves, touched = base[span], carry[span], touched[span]
     try:
         both = legs(part)
-        slow = RUNNING if speed * centimetres(base) > RUNS else WALKING
-        listed = found(part, both, slow, HEIGHT)
+        listed = found(part, both, slowness(part), HEIGHT)
         if not listed and base.duration > SHORT:
             raise OptionError("no foot stands anywhere")
         made, strain, released = _released(part, moves, listed, both, touched, span.start)

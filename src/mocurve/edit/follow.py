@@ -287,9 +287,8 @@ def _made(base: Motion, plan: Plan, found: Way, lock_feet: bool) -> tuple[Motion
     if not lock_feet:
         return carried(base, plan), None
     parts = []
-    for run in _bearing.runs(found.cycle):  # where the motion begins again nothing is held
-        speed = float(np.ptp(found.own[run])) / max((run.stop - run.start) * base.frame_time, base.frame_time)
-        parts.append(stepping(base[run], plan.by[run], speed))
+    for run in _bearing.runs(found.cycle):  # no foot stands from one beginning of the motion into the next
+        parts.append(stepping(base[run], plan.by[run]))
     made = replace(base, values=np.concatenate([part.values for part, _ in parts]), report=None)
     return carried(made, plan._replace(by=np.zeros_like(plan.by))), Steps.of([steps for _, steps in parts])
 
