@@ -28,6 +28,7 @@ from clips import folder
 import mocurve as mc
 from mocurve import planar
 from mocurve.kinematics import world
+from mocurve.path_fit import gone
 from mocurve.path_length import NODES
 
 CLIPS = ["12_01", "02_01", "16_15", "02_03", "16_41", "09_12"]
@@ -38,6 +39,7 @@ STEP = 1e-3
 MOVED = np.array([2.0, 30.0, -70.0])
 LIMITS = {"span": 16.0, "whole": 60.0}  # ms: a frame of a screen, and what still feels direct
 FRAMES = 5000
+DEGREES = (2, 4, 13, 45)
 
 
 def clip(name: str) -> mc.Motion:
@@ -103,6 +105,28 @@ def lengths(paths: dict[str, mc.Path]) -> None:
         off, old = (CM * float(np.linalg.norm(p - wanted, axis=1).max()) for p in (found, step))
         told = f"{off:10.1e}{speeds(found, distances[1]):10.1e}{old:12.2f}{speeds(step, distances[1]):8.2f}"
         print(f"{name:20}{told}{old / max(off, 1e-12):14.0f}", flush=True)
+
+
+def degrees() -> None:
+    """How far the root is from polynomials of some degrees, and from those in the power basis."""
+    print(f"\n{'polynomials':12}" + "".join(f"{f'degree {degree}':>22}" for degree in DEGREES))
+    for name in ("12_01", "16_41", "09_12"):
+        motion = clip(name)
+        told = ""
+        for degree in DEGREES:
+            path = mc.Path.of(motion, kind="polynomial", degree=degree)
+            away = CM * path.residuals(motion)
+            at = gone(motion)
+            track = motion.values[:, [0, 2]]
+            powers = np.linalg.solve(*normal(np.vander(at, degree + 1), track))
+            plain = CM * np.linalg.norm(np.vander(at, degree + 1) @ powers - track, axis=1)
+            told += f"{np.sqrt(np.mean(away**2)):7.2f}{away.max():7.2f}{np.sqrt(np.mean(plain**2)):8.2f}"
+        print(f"{name:12}{told}", flush=True)
+    print("root mean square, largest, root mean square in the power basis by normal equations; cm")
+
+
+def normal(basis: np.ndarray, track: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    return basis.T @ basis, basis.T @ track
 
 
 def laws(paths: dict[str, mc.Path]) -> None:
@@ -178,6 +202,7 @@ def main() -> None:
     warnings.simplefilter("ignore")  # no frame rate in Acclaim files
     paths = drawn()
     lengths(paths)
+    degrees()
     laws(paths)
     latency(rounds)
 

@@ -77,11 +77,12 @@ class Steps:
         return asdict(self)
 
 
-def stepping(base: Motion, carry: np.ndarray) -> tuple[Motion, Steps | None]:
+def stepping(base: Motion, carry: np.ndarray, first: int) -> tuple[Motion, Steps | None]:
     """The motion carried by planar transforms (F, 3), its feet held in contact; None where no foot is changed or there
     are no legs, which is told by a warning.
 
-    Feet that slide in the clip are held too, but only where its frames are not carried as one.
+    first: the frame of the result that the motion begins with. Feet that slide in the clip are held too, but only where
+    its frames are not carried as one.
     """
     touched, plain = _touched(carry), carried(base, carry)
     if not touched.any():
@@ -94,7 +95,7 @@ def stepping(base: Motion, carry: np.ndarray) -> tuple[Motion, Steps | None]:
         listed = found(part, both, slowness(part), HEIGHT)
         if not listed and base.duration > SHORT:
             raise OptionError("no foot stands anywhere")
-        made, strain, released = _released(part, moves, listed, both, touched, span.start)
+        made, strain, released = _released(part, moves, listed, both, touched, first + span.start)
     except MocurveError as error:
         reason = str(error).split(";")[0]  # without options that are another verb's
         warnings.warn(f"feet are not held: {reason}", stacklevel=4)

@@ -152,7 +152,7 @@ def follow(
     found, back = _found(body, course, given, table, (mode, at_end, heading))
     base = at_frames(body, found.frame)
     plan = _planned(base, course, given, table, found, back, posture)
-    made, steps = _made(base, plan, found, lock_feet)
+    made, steps = _made(base, plan, found, lock_feet, ahead)
     frames = found.frame if every == body.frames else np.mod(found.frame, every)
     cycle = found.cycle if every == body.frames else (found.frame // every).astype(np.int64)
     rows = {"frame": frames + start + ahead, "cycle": cycle, "distance": found.distance}
@@ -282,13 +282,13 @@ def _turned(base: Motion, found: Way, some: np.ndarray, old: np.ndarray, new: np
     return turn
 
 
-def _made(base: Motion, plan: Plan, found: Way, lock_feet: bool) -> tuple[Motion, Steps | None]:
+def _made(base: Motion, plan: Plan, found: Way, lock_feet: bool, ahead: int) -> tuple[Motion, Steps | None]:
     """The base carried as planned, its feet held if that is asked for and something is not carried as one."""
     if not lock_feet:
         return carried(base, plan), None
     parts = []
     for run in _bearing.runs(found.cycle):  # no foot stands from one beginning of the motion into the next
-        parts.append(stepping(base[run], plan.by[run]))
+        parts.append(stepping(base[run], plan.by[run], ahead + run.start))
     made = replace(base, values=np.concatenate([part.values for part, _ in parts]), report=None)
     return carried(made, plan._replace(by=np.zeros_like(plan.by))), Steps.of([steps for _, steps in parts])
 
