@@ -1,7 +1,7 @@
 """Captured walks and runs laid on other paths with their feet locked: how still the feet stand, how calm knees, ankles
 and pelvis stay, and what it took.
 
-python feet.py [--only 12_01]
+python feet.py [--only 12_01] [--picture footprints.png]
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 from clips import folder
+from PIL import Image, ImageDraw
 from scipy.linalg import solveh_banded
 
 import mocurve as mc
@@ -25,6 +26,7 @@ from mocurve.edit._reach import Strain
 from mocurve.feet.contacts import contacts, found, slowness
 from mocurve.feet.legs import Leg, centimetres, legs, tracks
 from mocurve.feet.skate import skate
+from mocurve.formats._files import replacing
 from mocurve.info import first_frame_is_t_pose
 
 CLIPS = {
@@ -152,10 +154,39 @@ def row(name: str, path: str, slide: list[float], calm: np.ndarray, strain: Stra
     return f"{name:7}{path:10}{first} |{second} |{third}"
 
 
+def picture(file: Path) -> None:
+    """Footprints from above: a walk laid on a slalom, its feet carried along with it, and held."""
+    source = clip("16_15")
+    both, listed, carry = legs(source), contacts(source), carry_onto(source, PATHS["slalom"])
+    names = source.skeleton.names
+    image = Image.new("RGB", (1240, 1500), "white")
+    pen, colours = ImageDraw.Draw(image), (((214, 102, 88), (246, 222, 218)), ((27, 73, 125), (214, 226, 240)))
+    for panel, motion in enumerate((carried(source, carry), locked(source, carry, listed, both)[0])):
+        balls, heels = (centimetres(motion) * points[..., [0, 2]] for points in tracks(motion, both))
+        low = balls[:, 60:360].reshape(-1, 2).min(axis=0) - 25.0
+        for leg, ball, heel, (dark, light) in zip(both, balls, heels, colours, strict=True):
+            stands = np.zeros(motion.frames, bool)
+            for contact in listed:
+                if contact.joint == names[leg.ball]:
+                    stands[contact.first : contact.last + 1] = True
+            for frame in sorted(range(60, 360, 2), key=lambda frame: stands[frame]):
+                ends = [
+                    (620 * panel + 5.2 * (x - low[0]), 1480 - 5.2 * (z - low[1])) for x, z in (ball[frame], heel[frame])
+                ]
+                pen.line(ends, fill=dark if stands[frame] else light, width=4)
+    with replacing(file) as stream:
+        image.resize((620, 750), Image.Resampling.LANCZOS).save(stream, "PNG", optimize=True)
+
+
 def main() -> None:
     asked = argparse.ArgumentParser()
     asked.add_argument("--only", default="")
-    only = asked.parse_args().only
+    asked.add_argument("--picture", type=Path)
+    given = asked.parse_args()
+    only = given.only
+    if given.picture is not None:
+        picture(given.picture)
+        return
     warnings.simplefilter("ignore")  # no frame rate in Acclaim files
     print(f"{'clip':7}{'path':10}{COLUMNS}")
     for name in CLIPS:

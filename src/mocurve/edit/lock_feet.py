@@ -50,8 +50,8 @@ class Locked:
     def __str__(self) -> str:
         lines = [
             f"{self.stances} stances, {self.changed} of them held anew",
-            f"feet in contact slide {self.speed_before:.2f} -> {self.speed:.2g} cm/s, {self.drift_before:.2f} -> "
-            f"{self.drift:.2g} cm a contact; {100 * self.kept:.1f} % of the contact is kept",
+            f"feet in contact slide {self.speed_before:.2f} -> {self.speed:.2f} cm/s, {self.drift_before:.2f} -> "
+            f"{self.drift:.2f} cm a contact; {100 * self.kept:.1f} % of the contact is kept",
             f"the hips go down by at most {self.drop:.2f} cm and aside by {self.shift:.2f} cm",
         ]
         if self.released:
