@@ -1,4 +1,4 @@
-"""Make the pictures of README and docs from the shipped capture: curve.png, loop.png, act_out.png, shape.png.
+"""Make the pictures of README and docs from the shipped capture: curve, loop, act_out, shape, follow.
 
 python scripts/make_pictures.py
 """
@@ -11,7 +11,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 import mocurve as mc
-from mocurve import draw_curves
+from mocurve import draw_curves, draw_path
 from mocurve.data import example
 from mocurve.draw_curves import CURVE, KEY, LARGER, PAPER, SAMPLES, TEXT, Axes
 from mocurve.edit import _bank
@@ -97,3 +97,6 @@ if __name__ == "__main__":
     mc.render(mc.loop(capture, cycles=3), PICTURES / "loop.png")
     acted_out(capture, keys)
     shape(capture)
+    slalom = mc.Path([(40 * np.sin(2 * np.pi * u), 10 + 120 * u) for u in np.linspace(0, 1, 9)])
+    followed = mc.follow(capture, slalom, at_end="cycle")
+    draw_path.save(PICTURES / "follow.png", capture, mc.Path.of(capture), followed, slalom)

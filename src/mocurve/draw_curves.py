@@ -110,11 +110,11 @@ def frame(draw: ImageDraw.ImageDraw, axes: Axes, letter: int, title: str) -> Non
     """Grid, numbers and a title; `letter` is the height of the letters in pixels."""
     font = ImageFont.load_default(letter)
     left, top, right, bottom = axes.box
-    for time in _ticks(*axes.span, 10):
+    for time in ticks(*axes.span, 10):
         ((across, _),) = axes(np.array([time]), np.array([axes.values[0]]))
         draw.line([(across, top), (across, bottom)], GRID, 2)
         draw.text((across, bottom + 0.4 * letter), f"{time:g}", TEXT, font, anchor="mt")
-    for value in _ticks(*axes.values, 6):
+    for value in ticks(*axes.values, 6):
         ((_, down),) = axes(np.array([axes.span[0]]), np.array([value]))
         draw.line([(left, down), (right, down)], GRID, 2)
         draw.text((left - 0.5 * letter, down), f"{value:g}", TEXT, font, anchor="rm")
@@ -122,7 +122,7 @@ def frame(draw: ImageDraw.ImageDraw, axes: Axes, letter: int, title: str) -> Non
     draw.text((left, top - 0.8 * letter), title, TEXT, ImageFont.load_default(round(1.15 * letter)), anchor="ls")
 
 
-def _ticks(low: float, high: float, about: int) -> np.ndarray:
+def ticks(low: float, high: float, about: int) -> np.ndarray:
     """Round numbers within the span, about so many."""
     exact = (high - low) / about
     power = 10.0 ** np.floor(np.log10(exact))

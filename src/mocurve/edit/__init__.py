@@ -21,4 +21,6 @@ VERBS = {
     "waveshape": "waveshape",
     "limit": "limit",
     "act_out": "act_out",
+    "follow": "follow",
+    "lock_feet": "lock_feet",
 }

@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..contacts import planted
 from ..errors import OptionError
+from ..feet.planted import planted
 from ..motion import Clip, Motion, frame_count
 from ._bodies import size_of
 from ._pair import at_times, complete, onto

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from .. import planar
-from ..contacts import SPEED
 from ..errors import OptionError
+from ..feet.planted import SPEED
 from ..info import first_frame_is_t_pose
 from ..kinematics import rest_height, world
 from ..motion import Clip, Motion, frame_count

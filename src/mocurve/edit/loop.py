@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from .. import planar
-from ..contacts import planted
 from ..errors import OptionError, UnknownName
+from ..feet.planted import planted
 from ..info import first_frame_is_t_pose
 from ..kinematics import world
 from ..motion import Clip, Motion
