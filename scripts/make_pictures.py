@@ -1,4 +1,4 @@
-"""Make the pictures of README and docs from the shipped capture: docs/pictures/curve.png, loop.png, shape.png.
+"""Make the pictures of README and docs from the shipped capture: curve, loop, act_out, shape, follow.
 
 python scripts/make_pictures.py
 """
@@ -11,11 +11,13 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 import mocurve as mc
-from mocurve import draw_curves
+from mocurve import draw_curves, draw_path
 from mocurve.data import example
 from mocurve.draw_curves import CURVE, KEY, LARGER, PAPER, SAMPLES, TEXT, Axes
 from mocurve.edit import _bank
 
+# a mouse drawn up and down by hand: seconds, and how high
+PERFORMED = [(0, 4), (0.7, 1), (1.2, 9), (1.6, 1), (2.5, 5), (2.9, 0), (3.6, 10), (4.0, 1), (4.6, 5)]
 PICTURES = Path(__file__).resolve().parent.parent / "docs" / "pictures"
 WIDTH, HEIGHT, LETTER = 1200 * LARGER, 440 * LARGER, 20 * LARGER
 KNEE, HIGH = "LeftLeg.flexion", 60.0
@@ -34,6 +36,16 @@ def shape(jump: mc.Motion) -> None:
     whole.paste(panel(times, f"{KNEE} (degrees)", [*lines, (CURVE, "after limit", after)])[0], (0, 0))
     whole.paste(bands(times, jump), (0, HEIGHT))
     whole.reduce(LARGER).quantize(64).save(PICTURES / "shape.png", "PNG", optimize=True)
+
+
+def acted_out(jump: mc.Motion, keys: mc.KeyedMotion) -> None:
+    """A hand's curve, and the height of the hips that follows it in time."""
+    acted = mc.act_out(keys, PERFORMED, channel=HIPS)
+    height = jump.skeleton.channel(HIPS)
+    values = np.zeros((acted.frames, jump.skeleton.channel_count))
+    hand = np.interp(np.arange(acted.frames) * jump.frame_time, *np.array(PERFORMED).T)
+    values[:, height] = jump.values[:, height].min() + hand / hand.max() * np.ptp(jump.values[:, height])
+    draw_curves.curves(mc.Motion(jump.skeleton, values, jump.frame_time), acted, HIPS, PICTURES / "act_out.png")
 
 
 def flexion(clip: mc.Motion) -> np.ndarray:
@@ -80,6 +92,11 @@ def panel(
 if __name__ == "__main__":
     PICTURES.mkdir(exist_ok=True)
     capture = mc.read(example())
-    draw_curves.curves(capture, mc.reduce(capture, tolerance="0.5%height"), "LeftLeg.Xrotation", PICTURES / "curve.png")
+    keys = mc.reduce(capture, tolerance="0.5%height")
+    draw_curves.curves(capture, keys, "LeftLeg.Xrotation", PICTURES / "curve.png")
     mc.render(mc.loop(capture, cycles=3), PICTURES / "loop.png")
+    acted_out(capture, keys)
     shape(capture)
+    slalom = mc.Path([(40 * np.sin(2 * np.pi * u), 10 + 120 * u) for u in np.linspace(0, 1, 9)])
+    followed = mc.follow(capture, slalom, at_end="cycle")
+    draw_path.save(PICTURES / "follow.png", capture, mc.Path.of(capture), followed, slalom)

@@ -14,7 +14,9 @@ import mocurve as mc
 from mocurve import FileError, OptionError, cli
 from mocurve.recipe import LARGEST, VERBS, fits, hints
 
-pytestmark = pytest.mark.filterwarnings("ignore:keys become samples", "ignore:splines become samples")
+pytestmark = pytest.mark.filterwarnings(
+    "ignore:keys become samples", "ignore:splines become samples", "ignore:the clip runs"
+)
 
 
 @pytest.fixture
@@ -66,7 +68,22 @@ EACH: dict[str, list[Made]] = {
     ],
     "retime": [lambda a, b: mc.retime(a, {0.5: 0.6, 0.8: 1.0})],
     "loop": [lambda a, b: mc.loop(a, start=0.2, end=1.0, cycles=2, close="cubic")],
-    "join": [lambda a, b: mc.join(a, b, seconds=0.2)],
+    "join": [
+        lambda a, b: mc.join(a, b, seconds=0.2),
+        lambda a, b: mc.join(mc.fit(a, tolerance="9deg"), mc.fit(b, tolerance="9deg"), seconds=0.2, mode="spline"),
+    ],
+    "act_out": [
+        lambda a, b: mc.act_out(a, [(0, 4), (0.7, 1), (1.2, 9), (1.6, 1)], channel="Hips.Yposition"),
+        lambda a, b: mc.act_out(a, b, joint="Hips"),
+    ],
+    "follow": [
+        lambda a, b: mc.follow(a, [(0, 0), (20, 30), (0, 60), (10, 90)]),
+        lambda a, b: mc.follow(a, mc.Path([(0, 0), (20, 60), (0, 90)]), of=mc.Path.of(a), lock_feet=False, mode="time"),
+    ],
+    "lock_feet": [
+        lambda a, b: mc.lock_feet(a, release=True),
+        lambda a, b: mc.lock_feet(a, mc.contacts(a)[:2], release=True),
+    ],
     "register": [lambda a, b: mc.register(a, b, slope=2)],
 }
 
@@ -135,6 +152,16 @@ def test_a_recipe_in_a_file_names_files_beside_it(
     assert cli.main(["run", "away/made.curves.json", "b.npz", "-o", "second.npz"]) == 0
     assert "2. reduce" in capsys.readouterr().out
     assert np.abs(mc.read("second.npz").values - mc.read("b.npz").values).max() < 10
+
+
+def test_a_path_may_be_named_as_a_file(here: Path) -> None:
+    a, way = mc.read("a.npz"), mc.Path([(0, 0), (20, 30), (0, 60)])
+    way.write("way.csv")
+    made = mc.run(a, [{"verb": "follow", "path": "way.csv", "lock_feet": False}])
+    assert np.array_equal(made.sample().values, mc.follow(a, mc.Path.read("way.csv"), lock_feet=False).values)
+    (here / "bad.csv").write_text("x,z\n1,nan\n")
+    with pytest.raises(OptionError, match=r"step 1, follow: .*bad\.csv"):
+        mc.run(a, [{"verb": "follow", "path": "bad.csv"}])
 
 
 def test_read_begins_a_history_and_takes_over_a_file_s_own(here: Path) -> None:

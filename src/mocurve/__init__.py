@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .errors import FileError, Mismatch, MocurveError, OptionError, UnknownName
+    from .feet.contacts import Contact
     from .keyed import HermiteCurve, KeyedMotion
     from .motion import Clip, Motion, unroll
+    from .path import Path
     from .skeleton import Skeleton
     from .spline import SplineMotion
 
@@ -26,6 +28,7 @@ _HOME = {
     "HermiteCurve": "keyed",
     "KeyedMotion": "keyed",
     "SplineMotion": "spline",
+    "Path": "path",
     "read": "formats",
     "write": "formats",
     "denoise": "denoising",
@@ -49,6 +52,11 @@ _HOME = {
     "bands": "edit.bands",
     "waveshape": "edit.waveshape",
     "limit": "edit.limit",
+    "act_out": "edit.act_out",
+    "follow": "edit.follow",
+    "Contact": "feet.contacts",
+    "contacts": "feet.contacts",
+    "lock_feet": "edit.lock_feet",
     "render": "draw",
     "sheet": "draw",
     "run": "recipe",

@@ -21,6 +21,7 @@ from .draw_curves import curves
 from .draw_lines import lines
 from .errors import OptionError
 from .formats._files import replacing
+from .info import z_is_up
 from .keyed import KeyedMotion
 from .motion import Clip
 from .progress import advance
@@ -138,7 +139,7 @@ def _figures(clip: Clip, second: Clip | None) -> list[scene.Figure]:
         places += [others[np.minimum(np.arange(clip.frames), len(others) - 1)]]  # the shorter stays in its last pose
     if not all(np.isfinite(there).all() for there in places):
         raise OptionError("a clip has values that are not finite numbers; they cannot be drawn")
-    if scene.z_is_up(places[0]):
+    if z_is_up(places[0]):
         places = [scene.y_up(there) for there in places]
     if second is None or len(places) < 2:
         return [scene.Figure(clip.skeleton, places[0], *ALONE, "")]

@@ -67,12 +67,6 @@ def camera(places: np.ndarray, view: str, width: int, shape: tuple[float, float]
     return Camera(axes, float((size / extent).min()), (low + high) / 2, size)
 
 
-def z_is_up(places: np.ndarray) -> bool:
-    """Whether bodies (F, J, 3) are clearly taller along Z than along Y, on the average over the frames."""
-    tall = np.ptp(places, axis=1).mean(axis=0)
-    return bool(tall[2] > 1.2 * tall[1])
-
-
 def y_up(places: np.ndarray) -> np.ndarray:
     """Places (..., 3) with Z up, turned so that Y is up."""
     return places[..., [0, 2, 1]] * (1, 1, -1)

@@ -130,6 +130,12 @@ def unit_of(motion: Motion) -> Unit:
     return Unit(UNITS[name], name, False)
 
 
+def z_is_up(places: np.ndarray) -> bool:
+    """Whether bodies (F, J, 3) are clearly taller along Z than along Y, on the average over the frames."""
+    tall = np.ptp(places, axis=1).mean(axis=0)
+    return bool(tall[2] > 1.2 * tall[1])
+
+
 def first_frame_is_t_pose(motion: Motion) -> bool:
     """Whether frame 0 is a rest pose put before the motion, as conversions of CMU clips do.
 

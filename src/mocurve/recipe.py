@@ -30,7 +30,7 @@ VERBS = {  # name -> module, loaded when a recipe has it
     **{name: f"edit.{module}" for name, module in edit.VERBS.items()},
 }
 READ = "read"
-TOLD = ("verb", "with", "measured")  # of a step of a history: what is no option
+TOLD = ("verb", "with", "measured", "table")  # of a step of a history: what is no option
 CLIPS = ("Clip", "AnyClip", "Motion", "KeyedMotion", "SplineMotion")  # the nouns in signatures
 DEEPEST = 20  # recipes within recipes
 LARGEST = 16_000_000  # bytes of a recipe
@@ -138,7 +138,7 @@ def _step(step: object, folder: Path, place: str, number: int, depth: int) -> Pr
     if (not several and not len(needed) - 1 <= len(others) <= len(clips) - 1) or (several and not others):
         most = "other clips" if several else f"{('no', 'one')[len(clips) > 1]} other clip"
         raise OptionError(f"{place}: takes {most} (with = ...), not {len(others)}")
-    return Prepared(name, call, _checked(options, call, place, clips), others)
+    return Prepared(name, call, _checked(_paths(options, call, folder, place), call, place, clips), others)
 
 
 def _others(given: object, folder: Path, place: str, depth: int) -> tuple[Path | list[Prepared], ...]:
@@ -173,6 +173,22 @@ def _there(path: Path) -> bool:
     """Whether there is such a file, or such a pair of files (walk.asf+walk.amc)."""
     parts = path.name.split("+") if path.name.lower().endswith(".amc") else [path.name]
     return all((path.parent / Path(part)).is_file() for part in parts)
+
+
+def _paths(options: dict[str, Any], call: Callable[..., Any], folder: Path, place: str) -> dict[str, Any]:
+    """The same with paths over the ground read where they are named as files."""
+    from .path import Path as Way
+
+    kinds = hints(call)
+    try:
+        return {
+            name: Way.read(_file(value, folder, place))
+            if isinstance(value, str) and Way in _kinds(kinds.get(name))
+            else value
+            for name, value in options.items()
+        }
+    except FileError as error:
+        raise OptionError(f"{place}: {error}") from error
 
 
 def _checked(options: dict[str, Any], call: Callable[..., Any], place: str, clips: Sequence[str]) -> dict[str, Any]:
@@ -212,9 +228,13 @@ def fits(value: object, kind: Any) -> bool:
 
 def _told(kind: Any) -> str:
     """A kind of value in words."""
-    kinds = get_args(kind) if get_origin(kind) in (Union, UnionType) else (kind,)
-    words = [WORDS.get(get_origin(each) or each, "a list") for each in kinds if each not in (None, NoneType)]
+    words = [WORDS.get(get_origin(each) or each, "a list") for each in _kinds(kind) if each not in (None, NoneType)]
     return ", or ".join(dict.fromkeys(words))
+
+
+def _kinds(kind: Any) -> tuple[Any, ...]:
+    """The kinds that an annotation allows."""
+    return get_args(kind) if get_origin(kind) in (Union, UnionType) else (kind,)
 
 
 def _words(annotation: object) -> list[str]:

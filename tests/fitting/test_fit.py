@@ -10,7 +10,7 @@ from scipy.interpolate import BSpline, make_lsq_spline, splev, splrep
 
 import mocurve as mc
 from mocurve import kinematics
-from mocurve.contacts import planted
+from mocurve.feet.planted import planted
 from mocurve.fitting import KNOTS
 
 ALONE = mc.Skeleton(("A",), np.array([-1]), np.zeros((1, 3)), (("Zrotation",),))

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 import mocurve as mc
 from mocurve import KeyedMotion, Mismatch, MocurveError, Motion, OptionError, Skeleton, UnknownName
-from mocurve.contacts import planted
+from mocurve.feet.planted import planted
 from mocurve.kinematics import rest_height
 from mocurve.reduction import ALIGNMENTS, METHODS, QUALITIES
 

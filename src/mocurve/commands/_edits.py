@@ -46,8 +46,9 @@ class Edited:
             size["keys"] = self.clip.keys
         if isinstance(self.clip, SplineMotion):
             size["coefficients"] = len(self.clip.values)
-        step = {k: v for k, v in self.clip.history[-1].items() if k not in ("with", "pose")}
-        return {**step, **size, **self.numbers}
+        step = {k: v for k, v in self.clip.history[-1].items() if k not in ("with", "performance")}
+        found = step.pop("measured", {})
+        return {**step, **size, **(found if isinstance(found, dict) else {"measured": found}), **self.numbers}
 
 
 def check_files(output: Path, *sources: Path) -> None:

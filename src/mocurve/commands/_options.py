@@ -34,14 +34,15 @@ Unit = Annotated[
 def with_options_of(*verbs: Callable[..., Any]) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Give a command the keyword-only options of verbs in place of its own **options: names, types, defaults and help.
 
-    The help of an option is what the verb's docstring says after its name.
+    What the command has itself under that name stays its own. The help of an option is what the verb's docstring says
+    after its name.
     """
     taken = [option for verb in verbs for option in _options(verb)]
 
     def give(command: Callable[..., None]) -> Callable[..., None]:
         own = get_type_hints(command, include_extras=True)
         kept = [p for p in inspect.signature(command).parameters.values() if p.kind is not p.VAR_KEYWORD]
-        parameters = [p.replace(annotation=own[p.name]) for p in kept] + taken
+        parameters = [p.replace(annotation=own[p.name]) for p in kept] + [p for p in taken if p.name not in own]
         command.__annotations__ = {p.name: p.annotation for p in parameters}
         command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]  # what inspect.signature reads
         return command
@@ -54,7 +55,7 @@ def _options(verb: Callable[..., Any]) -> list[inspect.Parameter]:
     options = []
     for option in inspect.signature(verb).parameters.values():
         if option.kind is option.KEYWORD_ONLY:
-            off = f"--no-{option.name}" if option.default is True else ()
+            off = f"--no-{option.name.replace('_', '-')}" if option.default is True else ()
             several = kinds[option.name] == Sequence[int | str] | None  # --pin 30 70, as well as --pin 30 --pin 70
             given = Parameter(help=told[option.name], negative=off, consume_multiple=several)
             options.append(option.replace(annotation=Annotated[_typed(kinds[option.name]), given]))

@@ -20,4 +20,7 @@ VERBS = {
     "bands": "bands",
     "waveshape": "waveshape",
     "limit": "limit",
+    "act_out": "act_out",
+    "follow": "follow",
+    "lock_feet": "lock_feet",
 }

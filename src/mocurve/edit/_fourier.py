@@ -124,6 +124,7 @@ def _closed(motion: Motion, place: int) -> tuple[float, float, float, Motion]:
         except OptionError as error:
             refused = refused or str(error).split(";")[0]  # what follows are options of loop
             continue
+        assert isinstance(made, Motion)  # of samples
         told = made.history[-1]["measured"]
         start, end = (round(told[name] / motion.frame_time) for name in ("start", "end"))
         apart = _cycles.apart(places, start, end, motion.frame_time)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..contacts import planted
+from ..feet.planted import planted
 from ..info import first_frame_is_t_pose
 from ..kinematics import world
 from ..motion import Motion

@@ -12,6 +12,7 @@ import numpy as np
 
 from .. import planar
 from ..errors import OptionError
+from ..info import first_frame_is_t_pose
 from ..kinematics import world
 from ..motion import Clip, Motion
 from . import _dtw
@@ -126,7 +127,7 @@ def matched(own: Motion, other: Motion, slope: int = 3, band: float | None = Non
 
 def _compared(own: Motion, other: Motion) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Times (N,) and (M,) in both clips, from the first frame to the last, and the distances (N, M) of the motion
-    around them."""
+    around them; a T-pose in front is none."""
     names = set(own.skeleton.names) & set(other.skeleton.names)
     stride = max(1, int(np.ceil(max(own.duration, other.duration) / min(own.frame_time, other.frame_time) / MOST)))
     step = stride * min(own.frame_time, other.frame_time)
@@ -136,7 +137,10 @@ def _compared(own: Motion, other: Motion) -> tuple[np.ndarray, np.ndarray, np.nd
         joints = sorted((clip.skeleton.names.index(name) for name in names), key=clip.skeleton.names.__getitem__)
         count = max(2, round(clip.duration / step) + 1)
         at = np.linspace(0.0, clip.duration, count)
-        places = _between(world(clip)[:, joints], at / clip.frame_time)
+        own_places = world(clip)[:, joints]
+        if first_frame_is_t_pose(clip):
+            own_places[0] = own_places[1]
+        places = _between(own_places, at / clip.frame_time)
         times.append(at)
         padded.append(np.pad(places, ((half, half), (0, 0), (0, 0)), "reflect", reflect_type="odd"))
     return times[0], times[1], planar.frame_distances(padded[0], padded[1], 2 * half + 1)

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from .. import progress
-from ..contacts import FOOT, planted
 from ..errors import Mismatch, OptionError
+from ..feet.contacts import contacts
 from ..motion import Clip, Motion
 from . import broken, cluster, posture, probe, salient
 from .choices import Choices
@@ -89,7 +89,8 @@ def poses(clip: Clip, *, method: str = "salient", pin: Pins | None = None) -> Po
         salient (Roberts et al. 2019), broken (least error in space, broken tangents), posture (Lim and Thalmann 2001),
         probe (Huang et al. 2005) or cluster (Park and Shin 2004).
     pin
-        Keys that every choice has: frames (40), times (1.2s), or contacts, where a foot begins or ceases to rest.
+        Keys that every choice has: frames (40), times (1.2s), or contacts, where a foot comes to stand and where it
+        stands last.
 
     Errors: UnknownName for a method, OptionError for a pin that is not in the clip, or a clip too long for tables of
     all pairs of frames (4096). The curves through a choice are made by `reduce` with `keys`.
@@ -216,15 +217,10 @@ def at_every_frame(motion: Motion) -> Keys:
 
 
 def _contacts(motion: Motion) -> np.ndarray:
-    """(F,) True where a foot, with all that hangs on it, begins to rest and where it rests last."""
-    resting, skeleton = planted(motion), motion.skeleton
+    """(F,) True where the ball or the heel of a foot comes to stand, and where it stands last."""
     chosen = np.zeros(motion.frames, bool)
-    for joint, name in enumerate(skeleton.names):
-        parent = skeleton.parents[joint]
-        if FOOT.search(name) and not (parent >= 0 and FOOT.search(skeleton.names[parent])):
-            foot = resting[skeleton.below(joint)].any(axis=0)
-            chosen[1:] |= foot[1:] & ~foot[:-1]
-            chosen[:-1] |= foot[:-1] & ~foot[1:]
+    for contact in contacts(motion):
+        chosen[[contact.first, contact.last]] = True
     return chosen
 
 

@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..contacts import planted
 from ..errors import Mismatch, OptionError, UnknownName
+from ..feet.planted import planted
 from ..keyed import HermiteCurve, KeyedMotion
 from ..kinematics import world
 from ..motion import Clip, Motion, unroll

@@ -60,8 +60,8 @@ def reduce(
         How many whole poses, in place of a tolerance: their times and curves are chosen so that the largest error in
         space is as small as the method finds.
     pin
-        Where a key has to be, whatever the method: a frame (40), a time (1.2s), or contacts, where a foot begins or
-        ceases to rest.
+        Where a key has to be, whatever the method: a frame (40), a time (1.2s), or contacts, where a foot comes to
+        stand and where it stands last.
     method
         optimal (fewest keys), split (Lowe, after Önder), dynamic (Önder's dynamic programming), linear (straight
         segments). Whole poses: optimal, broken (best for broken tangents), salient (Roberts et al.), posture (Lim and
