@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 from clips import folder
-from mocurve.contacts import planted
 
 import mocurve as mc
 from mocurve.edit import join as joining
@@ -22,6 +21,7 @@ from mocurve.edit._seams import centimetres
 from mocurve.edit._transitions import MODES, Cut, alignments, joined
 from mocurve.edit.loop import WAYS
 from mocurve.edit.retime import time_map
+from mocurve.feet.planted import planted
 from mocurve.kinematics import world
 
 WALKS = {

@@ -34,8 +34,8 @@ Method = Annotated[
 Pin = Annotated[
     list[str] | None,
     Parameter(
-        help="Where a key has to be: a frame (40), a time (1.2s), or contacts, where a foot comes to stand and where it "
-        "stands last.",
+        help="Where a key has to be: a frame (40), a time (1.2s), or contacts, where a foot comes to stand and where "
+        "it stands last.",
         consume_multiple=True,
     ),
 ]
