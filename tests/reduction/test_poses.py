@@ -219,6 +219,13 @@ def test_so_many_poses_and_the_pins(hop: Motion, astray: Astray, method: str, qu
     assert astray(hop, made).max() < 0.2 * rest_height(hop)
 
 
+def test_where_every_key_is_pinned_only_the_curves_are_chosen(hop: Motion) -> None:
+    pin = [3, 9, 22, 23, 40, 61]
+    made = mc.reduce(hop, keys=8, pin=pin)
+    assert key_frames(made) == [0, *pin, hop.frames - 1]
+    assert len(key_frames(mc.reduce(hop, keys=9, pin=pin))) == 9
+
+
 @pytest.mark.parametrize("keys", [4, 8, 16])
 def test_optimal_leaves_less_than_all_others(hop: Motion, keys: int) -> None:
     left = {method: mc.reduce(hop, keys=keys, method=method).report.max_error_world for method in WHOLE}  # type: ignore[union-attr]

@@ -124,9 +124,10 @@ def moved(now: Inbetweens, good: float = 0.0) -> None:
     while trials > 0 and now.worst > good:
         step = _Step(now)
         change, moving = step.best()
-        trials -= step.trials
+        trials -= 1 + step.trials
         if change is None:
-            if now.worst <= good or not settled(now):
+            before = now.worst
+            if not settled(now) or now.worst > ENOUGH * before:
                 return
             continue
         take(now, change)
