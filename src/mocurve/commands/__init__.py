@@ -2,7 +2,7 @@
 
 COMMANDS = {
     "reduce": "Few Hermite keys instead of a sample at every frame; nothing moves more than the tolerance.",
-    "poses": "The frames that say most of a clip: a contact sheet of them, and what any number of them leaves.",
+    "poses": "The frames that say most of a clip, as an animator would block it.",
     "fit": "B-splines on few knots, which all channels share; nothing moves more than the tolerance.",
     "clean": "Jitter, spikes and dropouts of a capture go; kicks and heel strikes stay. Nothing has to be tuned.",
     "trim": "A piece of a clip, exactly as it was.",
