@@ -30,8 +30,8 @@ def application(asked: str | None = None) -> App:
     """All commands under one roof. Only the one that is asked for is loaded; the others tell their line in COMMANDS."""
     app = App(
         name="mocurve",
-        help="Motion capture into few, editable curves with a promise (no joint moves more than the tolerance), and what "
-        "can be done with them.",
+        help="Motion capture into few, editable curves with a promise (no joint moves more than the tolerance), and "
+        "what can be done with them.",
         help_epilogue=None if asked in COMMANDS else EXAMPLE,
         help_format="plaintext",
         version=f"mocurve {__version__}",
