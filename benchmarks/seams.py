@@ -16,7 +16,7 @@ from clips import folder
 
 import mocurve as mc
 from mocurve.edit import join as joining
-from mocurve.edit._bodies import at_rate, paired
+from mocurve.edit._couple import at_rate, paired
 from mocurve.edit._seams import centimetres
 from mocurve.edit._transitions import MODES, Cut, alignments, joined
 from mocurve.edit.loop import WAYS

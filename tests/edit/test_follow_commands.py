@@ -80,7 +80,7 @@ def test_a_drawing_is_filled_with_cycles_and_shown(folder: File, capsys: pytest.
     (folder / "tour.svg").write_text('<svg><path d="M 0 0 C 40 0 40 60 0 60 S -40 120 0 120"/></svg>')
     told = run(capsys, "follow jump.bvh --path tour.svg -o tour.bvh --at-end cycle --html a.html --picture a.png")
     assert told["measured"]["cycles"] > 3
-    assert len(told["table"]["frame"]) == told["frames"] == told["measured"]["frames"]
+    assert len(told["table"]["frame"]) == told["frames"]
     assert (folder / "a.png").read_bytes().startswith(b"\x89PNG")
     assert b"cycles" in (folder / "a.html").read_bytes()
 

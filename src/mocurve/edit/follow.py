@@ -141,7 +141,7 @@ def follow(
         raise Mismatch("a clip without frames follows no path")
     _tell_up(motion)
     ahead = lead(motion)
-    body = motion[ahead:] if ahead else motion
+    body = replace(motion[ahead:], history=motion.history)  # of which the path of the last step is asked
     start, every = 0, body.frames
     course = _course(body, ahead, given, own_given)
     table = given.table()

@@ -290,7 +290,9 @@ def _start(
         worst = take(scene, groups, keys)
         if worst <= 1.0 or share < LEAST_SHARE:
             return keys
-        share *= 0.9 / worst
+        share = max(
+            share * 0.9 / worst, np.finfo(float).tiny
+        )  # at 0 what has no limit would have none that is a number
 
 
 def _centre(scene: Scene, groups: list[np.ndarray], keys: list[Keys], near: np.ndarray, g: int) -> None:
