@@ -92,8 +92,9 @@ def test_without_json_it_says_what_it_did(folder: File, capsys: pytest.CaptureFi
     assert "wrote p.csv" in out
     assert "wrote p.html" in out
     (folder / "short.csv").write_text("0,0\n0,10\n")
-    assert cli.main(["follow", "jump.bvh", "--path", "short.csv", "-o", "far.bvh"]) == 0
+    assert cli.main(["follow", "jump.bvh", "--path", "short.csv", "-o", "far.bvh", "--picture", "far.png"]) == 0
     out = capsys.readouterr().out
+    assert "wrote far.png" in out
     assert "lie straight on behind its end" in out
     assert "changed: frames 0 to 419" in out
 
@@ -113,7 +114,7 @@ def test_of_says_which_path_a_clip_is_on(folder: File, capsys: pytest.CaptureFix
         ("path jump.bvh -o p.csv --points 1000", "a path of 1000 control points takes as many frames"),
         ("path jump.bvh -o p.csv --track rot", "Did you mean 'root'?"),
         ("path jump.bvh -o p.svg --degree 5 --points 8", "an .svg has curves up to degree 3, not 5"),
-        ("path jump.bvh -o p.csv --picture p.jpg", "the extension of a picture is .png, not '.jpg'"),
+        ("path jump.bvh -o p.csv --picture p.jpg", "the extension of a picture is .png or .gif, not '.jpg'"),
         ("follow jump.bvh --path good.csv -o a.bvh --html a.png", "the extension of a page is .html, not '.png'"),
         ("follow jump.bvh --path none.csv -o a.bvh", "none.csv: no such file"),
         ("follow jump.bvh --path bad.csv -o a.bvh", "bad.csv:2: column 2: a number expected, 'x' found"),

@@ -57,4 +57,4 @@ def follow(
     made = following.follow(clip, new, of=own, **options)
     measured = following.Following(**made.history[-1]["measured"])
     draw(clip, own or following.own_path(clip, new), html, picture, str(measured), made, new)
-    finish(Edited(made, sentences=(str(measured),)), output, profile, lossless, json)
+    finish(Edited(made, sentences=(str(measured),)), output, profile, lossless, json, html, picture)
