@@ -59,16 +59,18 @@ def laid(clip: Clip, own: Path, made: Clip | None = None, new: Path | None = Non
     return found
 
 
-def view(figures: list[Laid], name: str, width: int, *, poses: int = POSES, ratio: float = RATIO) -> Image.Image:
+def view(
+    figures: list[Laid], name: str, width: int, *, title: str = "", poses: int = POSES, ratio: float = RATIO
+) -> Image.Image:
     """One view as a still: poses evenly in time, so that whoever is faster has them further apart."""
     times = np.linspace(0.0, max(one.frame_time * (len(one.tracker) - 1) for one in figures), poses)
-    view = _Stage(figures, name, width * LARGER, ratio)
-    return view.shown([np.unique([one.frame(t) for t in times]).tolist() for one in figures]).reduce(LARGER)
+    stage = _Stage(figures, name, width * LARGER, ratio, title)
+    return stage.shown([np.unique([one.frame(t) for t in times]).tolist() for one in figures]).reduce(LARGER)
 
 
 def sheet(figures: list[Laid], width: int) -> Image.Image:
     """Four views as a still, two beside two."""
-    return _beside([view(figures, name, width // 2) for name in VIEWS], width, 2)
+    return beside([view(figures, name, width // 2) for name in VIEWS], 2)
 
 
 def write_gif(file: File, figures: list[Laid], width: int) -> None:
@@ -81,9 +83,18 @@ def write_gif(file: File, figures: list[Laid], width: int) -> None:
 
     def picture(time: float) -> Image.Image:
         top, *rest = (s.shown([[one.frame(time)] for one in figures]).reduce(LARGER_GIF) for s in stages)
-        return _beside([top, _beside(rest, width, 2)], width, 1)
+        return beside([top, beside(rest, 2)], 1)
 
     draw_gif.write(file, times, delays, picture)
+
+
+def beside(images: list[Image.Image], across: int) -> Image.Image:
+    """Pictures of one size in rows."""
+    wide, tall = images[0].size[0], [image.size[1] for image in images[::across]]
+    made = Image.new("RGB", (wide * across, sum(tall)), scene.PAPER)
+    for place, image in enumerate(images):
+        made.paste(image, (place % across * wide, sum(tall[: place // across])))
+    return made
 
 
 # -- in call order ---------------------------------------------------------------------------------
@@ -116,7 +127,7 @@ def _tracked(made: Clip, now: Motion, path: Path) -> np.ndarray:
 class _Stage:
     """One camera with all that stands still in it, drawn once."""
 
-    def __init__(self, figures: list[Laid], name: str, width: int, ratio: float):
+    def __init__(self, figures: list[Laid], name: str, width: int, ratio: float, title: str = ""):
         self.figures, self.floor = figures, scene.ground([figures[0].figure])
         around = np.concatenate(
             [part.reshape(-1, 3) for one in figures for part in (one.figure.places, one.path, one.points)]
@@ -132,7 +143,8 @@ class _Stage:
         draw.line(self._pixels(points), POINT, max(1, self.thick // 3))
         for at in self._pixels(points):
             draw.circle(at, 1.3 * self.thick, POINT)
-        draw.text((2 * self.thick, 2 * self.thick), name, scene.TEXT, ImageFont.load_default(max(10, width // 36)))
+        font = ImageFont.load_default(max(10, width // 36))
+        draw.text((2 * self.thick, 2 * self.thick), title or name, scene.TEXT, font)
 
     def shown(self, frames: list[list[int]]) -> Image.Image:
         """The figures at frames, a list for each of them."""
@@ -148,15 +160,3 @@ class _Stage:
 
     def _pixels(self, places: np.ndarray) -> list[tuple[float, float]]:
         return [(float(x), float(y)) for x, y in self.camera(places)]
-
-
-def _beside(images: list[Image.Image], width: int, across: int) -> Image.Image:
-    """Pictures of one width in rows."""
-    rows = [images[i : i + across] for i in range(0, len(images), across)]
-    made = Image.new("RGB", (width, sum(row[0].size[1] for row in rows)), scene.PAPER)
-    down = 0
-    for row in rows:
-        for place, image in enumerate(row):
-            made.paste(image, (place * (width // across), down))
-        down += row[0].size[1]
-    return made
