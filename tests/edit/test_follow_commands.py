@@ -76,6 +76,19 @@ def test_points_moved_in_the_file_move_the_clip(folder: File, capsys: pytest.Cap
     np.testing.assert_allclose(mc.read("back.npz").values, clip.values, atol=1e-9)
 
 
+def test_bare_points_of_the_own_path_are_known(folder: File, capsys: pytest.CaptureFixture[str]) -> None:
+    run(capsys, "path jump.bvh -o p.csv --points 7 --degree 5")
+    rows = (folder / "p.csv").read_text().splitlines()[2:]
+    (folder / "bare.csv").write_text("\n".join(rows))
+    assert run(capsys, "follow jump.bvh --path bare.csv -o same.bvh")["first"] is None
+    shifted = [",".join(str(float(cell) + 10) for cell in row.split(",")) for row in rows]
+    (folder / "shifted.csv").write_text("\n".join(shifted))
+    run(capsys, "follow jump.bvh --path shifted.csv -o moved.npz")
+    there = world(mc.read("jump.bvh")) + np.array([10, 0, 10])
+    np.testing.assert_allclose(world(mc.read("moved.npz")), there, atol=1e-9)
+    run(capsys, "follow jump.bvh --path bare.csv -o span.bvh --mode span")
+
+
 def test_a_drawing_is_filled_with_cycles_and_shown(folder: File, capsys: pytest.CaptureFixture[str]) -> None:
     (folder / "tour.svg").write_text('<svg><path d="M 0 0 C 40 0 40 60 0 60 S -40 120 0 120"/></svg>')
     told = run(capsys, "follow jump.bvh --path tour.svg -o tour.bvh --at-end cycle --html a.html --picture a.png")
