@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path as File
 
 import numpy as np
@@ -74,6 +75,16 @@ def test_points_moved_in_the_file_move_the_clip(folder: File, capsys: pytest.Cap
     assert back["kind"] == "spline"
     run(capsys, "follow moved.npz --path own.csv -o back.npz")  # the file knows which path it is on
     np.testing.assert_allclose(mc.read("back.npz").values, clip.values, atol=1e-9)
+
+
+def test_a_clip_that_goes_nowhere_is_told(folder: File, capsys: pytest.CaptureFixture[str]) -> None:
+    clip = mc.read("jump.bvh")
+    values = np.array(clip.values)
+    values[:, :3] = values[0, :3]
+    mc.write("stands.bvh", replace(clip, values=values))
+    assert cli.main(["path", "stands.bvh", "-o", "p.csv"]) == 0
+    assert "the clip goes nowhere: its path has no length" in capsys.readouterr().err
+    assert "all points are in one place" in refused(capsys, "follow stands.bvh --path p.csv -o a.bvh")
 
 
 def test_bare_points_of_the_own_path_are_known(folder: File, capsys: pytest.CaptureFixture[str]) -> None:

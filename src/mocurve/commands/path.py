@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 from pathlib import Path as File
 from typing import Annotated, Any
@@ -75,6 +76,8 @@ def path(
     clip = read(file, unit=unit)
     made = Path.of(clip, **options)
     found = fitted(made, clip)
+    if not made.length > 0:
+        warnings.warn("the clip goes nowhere: its path has no length, and nothing follows it", stacklevel=2)
     made.write(output)
     draw(clip, made, html, picture, str(found))
     tell(found, json, output, html, picture)
