@@ -57,6 +57,7 @@ def test_feet_are_locked_with_contacts_from_a_file(
     told = json.loads(ran(capsys, "lock-feet", jump, "-o", locked, "--contacts", listed, "--json"))
     assert told["verb"] == "lock_feet"
     assert told["speed"] < 1e-6
+    assert told["held"] == told["stances"] == 6
     assert told["changed"]["turned"]["by"] > 0.5
     out = ran(capsys, "lock-feet", locked, "-o", tmp_path / "again.bvh")
     assert "6 stances, 0 of them held anew" in out
