@@ -35,6 +35,7 @@ _HOME = {
     "reduce": "reduction",
     "fit": "fitting",
     "refine": "reduction",
+    "poses": "reduction",
     "compare": "measure",
     "trim": "edit.trim",
     "blend": "edit.blend",
@@ -57,6 +58,7 @@ _HOME = {
     "contacts": "feet.contacts",
     "lock_feet": "edit.lock_feet",
     "render": "draw",
+    "sheet": "draw",
     "run": "recipe",
 }
 __all__ = ["__version__", *_HOME]

@@ -6,6 +6,7 @@ drawn larger and then reduced, which smooths their edges.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Literal, get_args
@@ -16,6 +17,7 @@ from PIL import Image
 from . import draw_gif, kinematics
 from . import draw_scene as scene
 from .draw_curves import curves
+from .draw_lines import lines
 from .errors import OptionError
 from .formats._files import replacing
 from .info import z_is_up
@@ -23,13 +25,15 @@ from .keyed import KeyedMotion
 from .motion import Clip
 from .progress import advance
 
-__all__ = ["curves", "render"]
+__all__ = ["curves", "lines", "render", "sheet"]
 
 View = Literal["front", "side", "top", "three-quarter", "behind"]
 
 LARGER = 3  # a still is drawn this much larger, a moving picture:
 LARGER_GIF = 2
 SHEET = (4, 2)  # poses across and down
+ACROSS = 6  # of a sheet with more than 8, at most
+MOST_ON_SHEET = 600
 MOST_POSES = 200  # in one picture
 ALONE = ((27, 73, 125), (140, 178, 219))  # near and far bones
 FIRST = ((214, 102, 88), (240, 196, 190))  # drawn thicker, so that it shows as a rim where both agree
@@ -74,8 +78,30 @@ def render(
         image = _along(figures, clip, width, view, poses)
     elif frame is not None:
         image = _pose(figures, clip, width, view, frame)
-    else:
-        image = _sheet(figures, clip, width, view)
+    else:  # poses evenly in time
+        evenly = np.linspace(0, clip.frames - 1, SHEET[0] * SHEET[1]).round().astype(int)
+        image = _sheet(figures, clip, width, view, np.unique(evenly), numbered=False)
+    with replacing(path) as file:
+        image.save(file, "PNG", optimize=True)
+
+
+def sheet(
+    clip: Clip, path: str | PathLike[str], frames: Sequence[int], *, width: int = 1200, view: View = "three-quarter"
+) -> None:
+    """A contact sheet, .png: the poses at these frames, each with its time and its frame, line after line.
+
+    OptionError for another extension, an unknown view, a frame that is not there or a clip without frames.
+
+    >>> mc.sheet(walk, "poses.png", mc.reduce(walk, keys=12).report.key_frames)
+    """
+    path = Path(path)
+    if path.suffix.lower() != ".png":
+        raise OptionError(f"{path.name}: the extension of a sheet is .png, not {path.suffix.lower()!r}")
+    if not 1 <= len(frames) <= MOST_ON_SHEET:
+        raise OptionError(f"a sheet shows 1 to {MOST_ON_SHEET} poses, not {len(frames)}")
+    for frame in (min(frames), max(frames)):
+        _check(clip, ".png", width, view, draw_gif.MOST_FPS, int(frame), None)
+    image = _sheet(_figures(clip, None), clip, width, view, np.array(frames, np.int64), numbered=True)
     with replacing(path) as file:
         image.save(file, "PNG", optimize=True)
 
@@ -153,10 +179,11 @@ def _along(figures: list[scene.Figure], clip: Clip, width: int, view: str, poses
     return image.reduce(LARGER)
 
 
-def _sheet(figures: list[scene.Figure], clip: Clip, width: int, view: str) -> Image.Image:
-    """Poses evenly in time; every panel has the same scale and follows the figure over the ground."""
-    frames = np.unique(np.linspace(0, clip.frames - 1, SHEET[0] * SHEET[1]).round().astype(int))
-    across = min(len(frames), SHEET[0])
+def _sheet(
+    figures: list[scene.Figure], clip: Clip, width: int, view: str, frames: np.ndarray, numbered: bool
+) -> Image.Image:
+    """Poses at the frames (K,); every panel has the same scale and follows the figure over the ground."""
+    across = min(len(frames), SHEET[0] if len(frames) <= SHEET[0] * SHEET[1] else ACROSS)
     floor = scene.ground(figures)
     middle = figures[0].places.mean(axis=1) * (1, 0, 1)  # (F, 3)
     near = np.concatenate([_shown(figures, np.array([f]), floor) - middle[f] for f in frames])
@@ -169,7 +196,8 @@ def _sheet(figures: list[scene.Figure], clip: Clip, width: int, view: str) -> Im
         image = scene.empty(here, floor, near + middle[frame])
         for figure in figures:
             scene.draw_figure(image, here, figure, floor, frame)
-        scene.label(image, figures if i == 0 else [], frame * clip.frame_time, 13 * LARGER)
+        which = f", frame {frame}" if numbered else ""
+        scene.label(image, figures if i == 0 else [], frame * clip.frame_time, 13 * LARGER, which)
         sheet.paste(image.reduce(LARGER), (i % across * panel, i // across * high))
         advance("drawing", i + 1, len(frames))
     return sheet

@@ -68,7 +68,7 @@ def test_points_moved_in_the_file_move_the_clip(folder: File, capsys: pytest.Cap
     rows = [",".join(str(float(cell) + 10) for cell in line.split(",")) for line in lines[2:]]
     (folder / "p.csv").write_text("\n".join([*lines[:2], *rows]))
     told = run(capsys, "follow jump.bvh --path p.csv -o moved.npz")
-    assert told["turned"] < 1e-6
+    assert told["measured"]["turned"] < 1e-6
     clip = mc.read("jump.bvh")
     np.testing.assert_allclose(world(mc.read("moved.npz")), world(clip) + np.array([10, 0, 10]), atol=1e-6)
     back = run(capsys, "path jump.bvh -o own.csv --points 6")
@@ -91,7 +91,7 @@ def test_bare_points_of_the_own_path_are_known(folder: File, capsys: pytest.Capt
     run(capsys, "path jump.bvh -o p.csv --points 7 --degree 5")
     rows = (folder / "p.csv").read_text().splitlines()[2:]
     (folder / "bare.csv").write_text("\n".join(rows))
-    assert run(capsys, "follow jump.bvh --path bare.csv -o same.bvh")["first"] is None
+    assert run(capsys, "follow jump.bvh --path bare.csv -o same.bvh")["measured"]["first"] is None
     shifted = [",".join(str(float(cell) + 10) for cell in row.split(",")) for row in rows]
     (folder / "shifted.csv").write_text("\n".join(shifted))
     run(capsys, "follow jump.bvh --path shifted.csv -o moved.npz")
@@ -103,7 +103,7 @@ def test_bare_points_of_the_own_path_are_known(folder: File, capsys: pytest.Capt
 def test_a_drawing_is_filled_with_cycles_and_shown(folder: File, capsys: pytest.CaptureFixture[str]) -> None:
     (folder / "tour.svg").write_text('<svg><path d="M 0 0 C 40 0 40 60 0 60 S -40 120 0 120"/></svg>')
     told = run(capsys, "follow jump.bvh --path tour.svg -o tour.bvh --at-end cycle --html a.html --picture a.png")
-    assert told["cycles"] > 3
+    assert told["measured"]["cycles"] > 3
     assert len(told["table"]["frame"]) == told["frames"]
     assert (folder / "a.png").read_bytes().startswith(b"\x89PNG")
     assert b"cycles" in (folder / "a.html").read_bytes()
@@ -126,7 +126,7 @@ def test_without_json_it_says_what_it_did(folder: File, capsys: pytest.CaptureFi
 def test_of_says_which_path_a_clip_is_on(folder: File, capsys: pytest.CaptureFixture[str]) -> None:
     (folder / "a.csv").write_text("5,10\n5,30\n15,50\n")
     told = run(capsys, "follow jump.bvh --path a.csv --of a.csv -o same.bvh")
-    assert told["first"] is None
+    assert told["measured"]["first"] is None
     assert told["of"]["points"] == [[5, 10], [5, 30], [15, 50]]
 
 

@@ -76,7 +76,7 @@ def test_a_locked_clip_stays_also_by_way_of_a_file(made: mc.Motion, tmp_path: Pa
     assert isinstance(read, mc.Motion)
     again = mc.lock_feet(read)
     assert centimetres(read) * np.abs(world(again) - world(read)).max() < 1e-6
-    assert again.history[-1]["measured"]["held"] == 0
+    assert again.history[-1]["measured"]["changed"] == 0
 
 
 def test_only_legs_and_the_place_of_the_body_change(clip: mc.Motion, made: mc.Motion) -> None:
@@ -141,7 +141,7 @@ def test_the_history_tells_the_numbers(clip: mc.Motion, made: mc.Motion) -> None
     step = made.history[-1]
     assert step["verb"] == "lock_feet"
     measured = Locked(**step["measured"])
-    assert measured.held == measured.stances == 6
+    assert measured.changed == measured.stances == 6
     assert measured.speed_before == pytest.approx(8.35, abs=0.2)
     assert measured.speed < 1e-6
     assert measured.drift < 1e-6
@@ -181,7 +181,7 @@ def test_a_foot_out_of_reach_is_refused_with_its_frames(clip: mc.Motion) -> None
         OptionError, match=r"feet cannot be held: .* at frames \d+ to \d+, .* s.* with the option release"
     ):
         mc.lock_feet(clip, far(clip, 60.0))
-    assert mc.lock_feet(clip, far(clip, 2.0)).history[-1]["measured"]["held"] == 6
+    assert mc.lock_feet(clip, far(clip, 2.0)).history[-1]["measured"]["changed"] == 6
 
 
 def test_what_is_let_go_is_told(clip: mc.Motion) -> None:

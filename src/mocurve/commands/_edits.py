@@ -47,8 +47,7 @@ class Edited:
         if isinstance(self.clip, SplineMotion):
             size["coefficients"] = len(self.clip.values)
         step = {k: v for k, v in self.clip.history[-1].items() if k not in ("with", "performance")}
-        found = step.pop("measured", {})
-        return {**step, **size, **(found if isinstance(found, dict) else {"measured": found}), **self.numbers}
+        return {**step, **size, **self.numbers}
 
 
 def check_files(output: Path, *sources: Path) -> None:

@@ -29,7 +29,7 @@ class Locked:
     """What was held, and what it took; centimetres. How feet slide is measured in all contacts of the clip that was
     given, after it by forward kinematics of the result (`feet.skate`).
 
-    stances: of both feet, ball and heel together. held: those that slid.
+    stances: of both feet, ball and heel together. changed: those that slid.
     speed, drift: of balls in contact, mean over the ground a second, and mean of the largest distance to the middle of
     a contact; each as it was and as it is. kept: part of the contact that is still one.
     drop, shift: how far the hips go down and aside at most.
@@ -37,7 +37,7 @@ class Locked:
     """
 
     stances: int
-    held: int
+    changed: int
     speed_before: float
     speed: float
     drift_before: float
@@ -49,7 +49,7 @@ class Locked:
 
     def __str__(self) -> str:
         lines = [
-            f"{self.stances} stances, {self.held} of them held anew",
+            f"{self.stances} stances, {self.changed} of them held anew",
             f"feet in contact slide {self.speed_before:.2f} -> {self.speed:.2f} cm/s, {self.drift_before:.2f} -> "
             f"{self.drift:.2f} cm a contact; {100 * self.kept:.1f} % of the contact is kept",
             f"the hips go down by at most {self.drop:.2f} cm and aside by {self.shift:.2f} cm",
@@ -140,7 +140,7 @@ def _measured(
     before, after = (skate(clip, balls, both, motion, speed) or none for clip in (motion, made))
     return Locked(
         stances=strain.stances,
-        held=strain.changed,
+        changed=strain.changed,
         speed_before=before.speed,
         speed=after.speed,
         drift_before=before.drift,
