@@ -119,7 +119,7 @@ def speeds(places: np.ndarray, clip: mc.Motion) -> np.ndarray:
 def panel(
     clip: mc.Motion, own: mc.Path, made: mc.Motion | None, new: mc.Path | None, name: str, **asked: Any
 ) -> Image.Image:
-    return draw_views.view(draw_views.laid(clip, own, made, new), name, asked.pop("width", 360), **asked)
+    return draw_views.view(draw_views.laid(clip, own, made, new), name, asked.pop("width", 330), **asked)
 
 
 def save(image: Image.Image, file: File) -> None:
