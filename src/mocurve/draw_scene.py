@@ -9,7 +9,13 @@ from PIL import Image, ImageDraw, ImageFont
 
 from .skeleton import Skeleton
 
-TURN_AND_TILT = {"front": (0.0, 8.0), "side": (90.0, 8.0), "top": (0.0, 90.0), "three-quarter": (35.0, 20.0)}  # degrees
+TURN_AND_TILT = {  # degrees
+    "front": (0.0, 8.0),
+    "side": (90.0, 8.0),
+    "top": (0.0, 90.0),
+    "three-quarter": (35.0, 20.0),
+    "behind": (215.0, 20.0),
+}
 PAPER, GRID, TEXT, TRAIL = "#ffffff", "#cfd7e0", "#46505c", "#e8a33d"
 BONE = 0.016  # thickness over body height
 

@@ -57,10 +57,10 @@ def check_files(output: Path, *sources: Path) -> None:
         check_outputs(source, output)
 
 
-def finish(made: Edited, output: Path, profile: str | None, lossless: bool, json: bool) -> None:
-    """Write the result and tell the numbers."""
+def finish(made: Edited, output: Path, profile: str | None, lossless: bool, json: bool, *also: Path | None) -> None:
+    """Write the result and tell the numbers, and what else was written."""
     write(output, made.clip, profile=profile, lossless=lossless)
-    tell(made, json, output)
+    tell(made, json, output, *also)
 
 
 def changed(before: Clip, after: Clip) -> dict[str, Any]:
