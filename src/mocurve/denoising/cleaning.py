@@ -15,10 +15,12 @@ import numpy as np
 from .. import progress
 from . import artefacts, smoothing, steps
 from .artefacts import Body
+from .bursts import bursts, unlikely
 from .smoothing import Strength
 
 PASSES = 2  # the second sees the samples minus a fit, where the motion's own curvature is gone
 ROUNDS = 2  # the second judges the core of what was not believed as a whole
+CAREFUL = (4.0, 0.0)  # log odds of bursts, first and then
 SHORTEST = 8  # samples: fewer cannot tell noise from motion
 REAL = 0.3  # part of a leap that the rotation of the joint has at least
 COMES_TO_REST = 0.1  # seconds, for frames that are filled in at an end of the clip
@@ -96,7 +98,9 @@ def clean(
         filled = bridged(y, lost | frozen | leapt)
         moved = sorted({part.channel for part in displaced})
         level[moved] = artefacts.noise_level(filled[moved])
-        bad, near = _found(y, filled, lost | frozen | leapt, level, groups, pools, body, turns, strength, fps)
+        filled_in = lost | frozen | leapt
+        bad, near = _found(y, filled, filled_in, level, groups, pools, body, turns, strength, fps)
+        bad, near = _weighed(filled, bad, filled_in, level, groups, pools, body, strength, near)
     else:
         bad = np.ascontiguousarray(known.T) | lost
         frozen &= bad
@@ -149,6 +153,29 @@ def _found(
             at, sigma = _strength(y, bad, pools, inflate, at, level)
             base = smoothing.fit(y, (~bad).astype(np.float64), at)[0]
     assert at is not None  # PASSES is at least 1
+    return bad, at
+
+
+def _weighed(
+    y: np.ndarray,
+    bad: np.ndarray,
+    filled_in: np.ndarray,
+    level: np.ndarray,
+    groups: Sequence[np.ndarray],
+    pools: Sequence[np.ndarray],
+    body: Body,
+    inflate: float,
+    near: Strength,
+) -> tuple[np.ndarray, Strength]:
+    """Bad frames (C, n) without those that are motion after all, and with longer runs that leap out and back."""
+    if y.shape[1] < SHORTEST + SHORTEST:
+        return bad, near
+    at, _ = _strength(y, bad, pools, inflate, near, level)
+    surely = bad & ~unlikely(y, at, bad, filled_in, body)
+    bad = surely
+    for believed in CAREFUL:
+        at, _ = _strength(y, bad, pools, inflate, at, level)
+        bad = bursts(y, at, surely, groups, body, believed)
     return bad, at
 
 

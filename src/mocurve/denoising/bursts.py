@@ -1,0 +1,49 @@
+"""Runs of frames that leap out of the motion, stay away and leap back, told from kicks by the weight of evidence."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from . import _bursts
+from ._evidence import LONGEST
+from ._quantiles import quantile
+from .artefacts import SHIFT, Body, runs
+from .smoothing import Strength
+
+BELIEVED = 0.0  # log odds of a run
+BESIDE = -3.0  # next to a channel of the joint that is believed, and of what other signs speak for
+LEAST_NOISE = 1e-6  # degrees
+
+
+def unlikely(y: np.ndarray, at: Strength, bad: np.ndarray, given: np.ndarray, body: Body) -> np.ndarray:
+    """Of the frames (C, n) that are bad, beside the given ones, those of runs that are motion after all."""
+    out, units = np.zeros_like(bad), body.shift / SHIFT
+    for c in np.flatnonzero((bad & ~given).any(1)):
+        sigma = max(at.sigma[c], LEAST_NOISE * units[c])
+        for p, q in runs(bad[c] & ~given[c]):
+            if q - p <= LONGEST and 2 <= p and q <= y.shape[1] - 2:
+                others = bad[c].copy()
+                others[p:q] = False
+                odds = _bursts.odds(y[c], sigma, at.smoothing[c], p, q, others, units[c])
+                out[c, p:q] = odds <= BESIDE
+    return out
+
+
+def bursts(
+    y: np.ndarray, at: Strength, bad: np.ndarray, groups: Sequence[np.ndarray], body: Body, believed: float = BELIEVED
+) -> np.ndarray:
+    """Bad frames (C, n) with those added that the evidence asks for; at: strengths without the bad ones."""
+    out, units = bad.copy(), body.shift / SHIFT
+    sigma = np.maximum(at.sigma, LEAST_NOISE * units)
+    usual = 0.5 * 1.4826 * quantile(np.abs(np.diff(y, 3, axis=1)), 0.5)
+    for c in range(len(y)):
+        _bursts.pursue(y[c], sigma[c], at.smoothing[c], usual[c], believed, units[c], out[c])
+    found = out & ~bad
+    for group in groups:
+        together = found[group].any(0)
+        for c in group if together.any() else ():
+            others = together & ~found[c]
+            _bursts.beside(y[c], sigma[c], at.smoothing[c], BESIDE, units[c], others, out[c])
+    return out
