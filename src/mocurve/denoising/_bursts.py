@@ -7,7 +7,7 @@ import numpy as np
 from .._jit import kernel
 from ._evidence import LONGEST, NEVER, REACH, VISIBLE, evidence, root
 
-SHORTEST = 3  # frames
+SHORTEST, BURST = 3, 10  # frames
 HOT = 2.5  # usual deviations of a leap, from where a run may begin or end
 PART, SEEN = 0.15, 3.0  # of a run's largest deviation, of noise: frames that are off by less are good ones between two
 
@@ -46,7 +46,7 @@ def pursue(y, sigma, smoothing, usual, believed, unit, left_out):
             j += 1
         if j > i:
             left_out[i:j] = False
-            short = 2 <= i and j <= n - 2 and j - i <= LONGEST
+            short = i >= 2 and j <= n - 2 and j - i <= LONGEST
             left_out[i:j] = short and evidence(y, sigma, factor, i, j, left_out, unit, off) > believed
         i = j + 1
 
@@ -67,7 +67,7 @@ def pairs(y, least, given):
         for p in range(2, n - 1):
             if not hot[p]:
                 continue
-            for q in range(p + 1, min(n - 2, p + LONGEST) + 1):
+            for q in range(p + 1, min(n - 2, p + BURST) + 1):
                 if given[q - 1]:
                     break
                 if hot[q] and q - p >= SHORTEST:
@@ -87,7 +87,7 @@ def beside(y, sigma, smoothing, believed, unit, others, left_out):
         j = i
         while j < n and others[j]:
             j += 1
-        if j > i and 2 <= i and j <= n - 2 and j - i <= LONGEST and not left_out[i:j].any():
+        if j > i and i >= 2 and j <= n - 2 and j - i <= LONGEST and not left_out[i:j].any():
             left_out[i:j] = evidence(y, sigma, factor, i, j, left_out, unit, off) > believed
         i = j + 1
 

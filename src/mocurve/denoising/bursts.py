@@ -6,14 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from . import _bursts
-from ._evidence import LONGEST
+from . import _bursts, _verdict
+from ._evidence import LONGEST, NEVER
 from ._quantiles import quantile
 from .artefacts import SHIFT, Body, runs
 from .smoothing import Strength
 
 BELIEVED = 0.0  # log odds of a run
-BESIDE = -3.0  # next to a channel of the joint that is believed, and of what other signs speak for
+BESIDE = -3.0  # next to a channel of the joint that is believed
 LEAST_NOISE = 1e-6  # degrees
 
 
@@ -23,27 +23,37 @@ def unlikely(y: np.ndarray, at: Strength, bad: np.ndarray, given: np.ndarray, bo
     for c in np.flatnonzero((bad & ~given).any(1)):
         sigma = max(at.sigma[c], LEAST_NOISE * units[c])
         for p, q in runs(bad[c] & ~given[c]):
-            if q - p <= LONGEST and 2 <= p and q <= y.shape[1] - 2:
+            if q - p <= LONGEST and p >= 2 and q <= y.shape[1] - 2:
                 others = bad[c].copy()
                 others[p:q] = False
                 odds = _bursts.odds(y[c], sigma, at.smoothing[c], p, q, others, units[c])
-                out[c, p:q] = odds <= BESIDE
+                out[c, p:q] = NEVER < odds <= BELIEVED
     return out
 
 
 def bursts(
-    y: np.ndarray, at: Strength, bad: np.ndarray, groups: Sequence[np.ndarray], body: Body, believed: float = BELIEVED
+    y: np.ndarray,
+    at: Strength,
+    bad: np.ndarray,
+    groups: Sequence[np.ndarray],
+    body: Body,
+    turns: np.ndarray,
+    believed: float = BELIEVED,
 ) -> np.ndarray:
-    """Bad frames (C, n) with those added that the evidence asks for; at: strengths without the bad ones."""
+    """Bad frames (C, n) with those added that the evidence asks for; at: strengths without the bad ones.
+    turns (groups, n): second difference of a joint's rotation itself, without which only its notation leaps."""
     out, units = bad.copy(), body.shift / SHIFT
     sigma = np.maximum(at.sigma, LEAST_NOISE * units)
     usual = 0.5 * 1.4826 * quantile(np.abs(np.diff(y, 3, axis=1)), 0.5)
     for c in range(len(y)):
         _bursts.pursue(y[c], sigma[c], at.smoothing[c], usual[c], believed, units[c], out[c])
     found = out & ~bad
-    for group in groups:
+    for group, turn in zip(groups, turns, strict=True):
         together = found[group].any(0)
         for c in group if together.any() else ():
             others = together & ~found[c]
             _bursts.beside(y[c], sigma[c], at.smoothing[c], BESIDE, units[c], others, out[c])
+        for c in group:
+            for p, q in runs(out[c] & ~bad[c]):
+                out[c, p:q] = not _verdict.only_notation(y[c], turn, p, q)
     return out

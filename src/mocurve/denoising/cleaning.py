@@ -100,7 +100,7 @@ def clean(
         level[moved] = artefacts.noise_level(filled[moved])
         filled_in = lost | frozen | leapt
         bad, near = _found(y, filled, filled_in, level, groups, pools, body, turns, strength, fps)
-        bad, near = _weighed(filled, bad, filled_in, level, groups, pools, body, strength, near)
+        bad, near = _weighed(filled, bad, filled_in, level, groups, pools, body, turns, strength, near)
     else:
         bad = np.ascontiguousarray(known.T) | lost
         frozen &= bad
@@ -164,6 +164,7 @@ def _weighed(
     groups: Sequence[np.ndarray],
     pools: Sequence[np.ndarray],
     body: Body,
+    turns: np.ndarray,
     inflate: float,
     near: Strength,
 ) -> tuple[np.ndarray, Strength]:
@@ -175,7 +176,7 @@ def _weighed(
     bad = surely
     for believed in CAREFUL:
         at, _ = _strength(y, bad, pools, inflate, at, level)
-        bad = bursts(y, at, surely, groups, body, believed)
+        bad = bursts(y, at, surely, groups, body, turns, believed)
     return bad, at
 
 
