@@ -7,7 +7,8 @@ import numpy as np
 from .._jit import kernel
 from ._evidence import LONGEST, NEVER, REACH, VISIBLE, evidence, root
 
-SHORTEST, BURST = 3, 10  # frames
+BURST, SHORT = 10, 2  # frames: longest run looked for; runs that the search finds well, so that one more is in doubt
+DOUBT = 1.0  # log odds
 HOT = 2.5  # usual deviations of a leap, from where a run may begin or end
 PART, SEEN = 0.15, 3.0  # of a run's largest deviation, of noise: frames that are off by less are good ones between two
 
@@ -23,7 +24,7 @@ def pursue(y, sigma, smoothing, usual, believed, unit, left_out):
     starts, ends = pairs(y, max(HOT * usual, 0.5 * VISIBLE * sigma), given)
     odds = np.empty(len(starts))
     for k in range(len(starts)):
-        odds[k] = evidence(y, sigma, factor, starts[k], ends[k], left_out, unit, off)
+        odds[k] = doubted(y, sigma, factor, starts[k], ends[k], left_out, unit, off)
     while len(odds):
         best = np.argmax(odds)
         if odds[best] <= believed:
@@ -37,7 +38,7 @@ def pursue(y, sigma, smoothing, usual, believed, unit, left_out):
         for k in range(len(odds)):
             if starts[k] < q + REACH and p < ends[k] + REACH and odds[k] > NEVER:
                 taken = left_out[starts[k] : ends[k]].any()
-                again = NEVER if taken else evidence(y, sigma, factor, starts[k], ends[k], left_out, unit, off)
+                again = NEVER if taken else doubted(y, sigma, factor, starts[k], ends[k], left_out, unit, off)
                 odds[k] = NEVER if taken else max(again, NEVER + 1.0)
     i = 0
     while i < n:  # each again, now that all others are known
@@ -47,8 +48,14 @@ def pursue(y, sigma, smoothing, usual, believed, unit, left_out):
         if j > i:
             left_out[i:j] = False
             short = i >= 2 and j <= n - 2 and j - i <= LONGEST
-            left_out[i:j] = short and evidence(y, sigma, factor, i, j, left_out, unit, off) > believed
+            left_out[i:j] = short and doubted(y, sigma, factor, i, j, left_out, unit, off) > believed
         i = j + 1
+
+
+@kernel
+def doubted(y, sigma, factor, p, q, left_out, unit, off):
+    """Log odds of a run that nothing found before."""
+    return evidence(y, sigma, factor, p, q, left_out, unit, off) - (DOUBT if q - p <= SHORT else 0.0)
 
 
 @kernel
@@ -70,7 +77,7 @@ def pairs(y, least, given):
             for q in range(p + 1, min(n - 2, p + BURST) + 1):
                 if given[q - 1]:
                     break
-                if hot[q] and q - p >= SHORTEST:
+                if hot[q]:
                     if last:
                         starts[count], ends[count] = p, q
                     count += 1

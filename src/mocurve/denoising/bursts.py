@@ -13,6 +13,7 @@ from .artefacts import SHIFT, Body, runs
 from .smoothing import Strength
 
 BELIEVED = 0.0  # log odds of a run
+MOTION = -3.0  # log odds below which a run that the search found is motion after all
 BESIDE = -3.0  # next to a channel of the joint that is believed
 LEAST_NOISE = 1e-6  # degrees
 
@@ -27,7 +28,7 @@ def unlikely(y: np.ndarray, at: Strength, bad: np.ndarray, given: np.ndarray, bo
                 others = bad[c].copy()
                 others[p:q] = False
                 odds = _bursts.odds(y[c], sigma, at.smoothing[c], p, q, others, units[c])
-                out[c, p:q] = NEVER < odds <= BELIEVED
+                out[c, p:q] = NEVER < odds <= MOTION
     return out
 
 
