@@ -206,9 +206,11 @@ def weighed(y, sigma, factor, p, q, left_out, unit, off, z, odds):
         at = first + i
         if p <= at < q or not (left_out[at - 1] or left_out[at] or left_out[at + 1]):
             curved = max(curved, abs(x[i - 1] - 2.0 * x[i] + x[i + 1]))
-    before = 0.0 if left_out[p - 1] else abs(y[p - 1] - x[p - 1 - first])
-    after = 0.0 if left_out[q] else abs(y[q] - x[q - first])
+    before = 0.0 if p == 0 or left_out[p - 1] else abs(y[p - 1] - x[p - 1 - first])
+    after = 0.0 if q == len(y) or left_out[q] else abs(y[q] - x[q - first])
     entry, leave = abs(off[0]) - before, abs(off[m - 1]) - after
+    if p == 0 or q == len(y):  # it leaps but once
+        entry = leave = leave if p == 0 else entry
     less, more = min(entry, leave), max(entry, leave)
     if less < VISIBLE * sigma:
         return NEVER

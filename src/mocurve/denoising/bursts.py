@@ -13,28 +13,14 @@ from .artefacts import SHIFT, Body, runs
 from .smoothing import Strength
 
 BELIEVED = 0.0  # log odds of a run
-MOTION = -3.0  # log odds below which a run that the search found is motion after all
 BESIDE = -3.0  # next to a channel of the joint that is believed
 LEAST_NOISE = 1e-6  # degrees
-
-
-def unlikely(y: np.ndarray, at: Strength, bad: np.ndarray, given: np.ndarray, body: Body) -> np.ndarray:
-    """Of the frames (C, n) that are bad, beside the given ones, those of runs that are motion after all."""
-    out, units = np.zeros_like(bad), body.shift / SHIFT
-    for c in np.flatnonzero((bad & ~given).any(1)):
-        sigma = max(at.sigma[c], LEAST_NOISE * units[c])
-        for p, q in runs(bad[c] & ~given[c]):
-            if q - p <= LONGEST and p >= 2 and q <= y.shape[1] - 2:
-                others = bad[c].copy()
-                others[p:q] = False
-                odds = _bursts.odds(y[c], sigma, at.smoothing[c], p, q, others, units[c])
-                out[c, p:q] = NEVER < odds <= MOTION
-    return out
 
 
 def bursts(
     y: np.ndarray,
     at: Strength,
+    given: np.ndarray,
     bad: np.ndarray,
     groups: Sequence[np.ndarray],
     body: Body,
@@ -43,16 +29,17 @@ def bursts(
 ) -> np.ndarray:
     """Bad frames (C, n) with those added that the evidence asks for; at: strengths without the bad ones.
     turns (groups, n): second difference of a joint's rotation itself, without which only its notation leaps."""
-    out, units = bad.copy(), body.shift / SHIFT
+    out, units = given.copy(), body.shift / SHIFT
+    found = bad & ~given
     sigma = np.maximum(at.sigma, LEAST_NOISE * units)
     usual = 0.5 * 1.4826 * quantile(np.abs(np.diff(y, 3, axis=1)), 0.5)
     for c in range(len(y)):
-        _bursts.pursue(y[c], sigma[c], at.smoothing[c], usual[c], believed, units[c], out[c])
-    found = out & ~bad
+        _bursts.pursue(y[c], sigma[c], at.smoothing[c], usual[c], believed, units[c], found[c], out[c])
+    new = out & ~bad
     for group, turn in zip(groups, turns, strict=True):
-        together = found[group].any(0)
+        together = new[group].any(0)
         for c in group if together.any() else ():
-            others = together & ~found[c]
+            others = together & ~new[c]
             _bursts.beside(y[c], sigma[c], at.smoothing[c], BESIDE, units[c], others, out[c])
         for c in group:
             for p, q in runs(out[c] & ~bad[c]):

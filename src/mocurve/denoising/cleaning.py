@@ -15,7 +15,7 @@ import numpy as np
 from .. import progress
 from . import artefacts, smoothing, steps
 from .artefacts import Body
-from .bursts import bursts, unlikely
+from .bursts import bursts
 from .smoothing import Strength
 
 PASSES = 2  # the second sees the samples minus a fit, where the motion's own curvature is gone
@@ -171,12 +171,10 @@ def _weighed(
     """Bad frames (C, n) without those that are motion after all, and with longer runs that leap out and back."""
     if y.shape[1] < SHORTEST + SHORTEST:
         return bad, near
-    at, _ = _strength(y, bad, pools, inflate, near, level)
-    surely = bad & ~unlikely(y, at, bad, filled_in, body)
-    bad = surely
+    at, found = near, bad
     for believed in CAREFUL:
         at, _ = _strength(y, bad, pools, inflate, at, level)
-        bad = bursts(y, at, surely, groups, body, turns, believed)
+        bad = bursts(y, at, filled_in, found, groups, body, turns, believed)
     return bad, at
 
 
