@@ -7,26 +7,48 @@ import numpy as np
 from .._jit import kernel
 from ._evidence import LONGEST, NEVER, REACH, VISIBLE, evidence, root
 
-BURST, SHORT = 10, 2  # frames: longest run looked for; runs that the search finds well, so that one more is in doubt
-DOUBT = 1.0  # log odds against such a run
-FOUND = 3.0  # log odds that the search has found a run
+BURST = 10  # frames that a run has at most unless the search found it
+FOUND = 3.0  # log odds for a run that the search found
 HOT = 2.5  # usual deviations of a leap, from where a run may begin or end
 PART, SEEN = 0.15, 3.0  # of a run's largest deviation, of noise: frames that are off by less are good ones between two
 
 
 @kernel
 def pursue(y, sigma, smoothing, usual, believed, unit, found, left_out):
-    """Adds to left_out (n,) the frames of a channel y (n,) that are foreign; found (n,): what the search says they are.
+    """Adds to left_out (n,) the frames of a channel y (n,) that are foreign; found (n,): those that a search proposes.
 
     usual: standard deviation of the leap between two frames, as the third difference tells it; believed: log odds;
     unit: one degree in the channel's unit."""
-    n, factor, off = len(y), root(smoothing), np.empty(LONGEST)
-    keep_long(found, left_out)
+    data = y, sigma, root(smoothing), unit, believed, found
     given = left_out.copy()
-    starts, ends = pairs(y, max(HOT * usual, 0.5 * VISIBLE * sigma), found, given)
-    odds = np.empty(len(starts))
+    keep_long(found, given)
+    left_out[:] = given
+    best_first(data, max(HOT * usual, 0.5 * VISIBLE * sigma), given, left_out)
+    ask_again(data, given, left_out)
+    among_found(data, given, left_out)
+
+
+@kernel
+def keep_long(found, given):
+    """Adds to given what is too long to be weighed."""
+    i, n = 0, len(found)
+    while i < n:
+        j = i
+        while j < n and found[j]:
+            j += 1
+        if j - i > LONGEST:
+            given[i:j] = True
+        i = j + 1
+
+
+@kernel
+def best_first(data, least, given, left_out):
+    """Leaves out the run with the highest odds, weighs those around it again, and so on."""
+    y, sigma, factor, unit, believed, found = data
+    starts, ends = pairs(y, least, found, given)
+    odds, off = np.empty(len(starts)), np.empty(LONGEST)
     for k in range(len(starts)):
-        odds[k] = weigh(y, sigma, factor, starts[k], ends[k], left_out, unit, believed, found, off)
+        odds[k] = weigh(data, starts[k], ends[k], left_out)
     while len(odds):
         best = np.argmax(odds)
         if odds[best] <= believed:
@@ -42,57 +64,54 @@ def pursue(y, sigma, smoothing, usual, believed, unit, found, left_out):
                 if left_out[starts[k] : ends[k]].any():
                     odds[k] = NEVER
                 else:
-                    again = weigh(y, sigma, factor, starts[k], ends[k], left_out, unit, believed, found, off)
-                    odds[k] = max(again, NEVER + 1.0)
-    i = 0
-    while i < n:  # each again, now that all others are known
+                    odds[k] = max(weigh(data, starts[k], ends[k], left_out), NEVER + 1.0)
+
+
+@kernel
+def weigh(data, p, q, left_out):
+    """Log odds of a run, what the search says counted in."""
+    y, sigma, factor, unit, believed, found = data
+    odds = evidence(y, sigma, factor, p, q, left_out, unit, np.empty(LONGEST))
+    if found[p:q].all():
+        return max(odds + believed + FOUND, NEVER + 1.0)  # what hides it now may be left out later
+    return odds
+
+
+@kernel
+def ask_again(data, given, left_out):
+    """Takes back runs that are not believed now that all others are known."""
+    believed, found = data[4], data[5]
+    i, n = 0, len(left_out)
+    while i < n:
         j = i
         while j < n and left_out[j] and not given[j]:
             j += 1
         if j > i:
             left_out[i:j] = False
             fits = j - i <= LONGEST and (found[i:j].all() or (i >= 2 and j <= n - 2))
-            left_out[i:j] = (
-                fits and weigh(y, sigma, factor, i, j, left_out, unit, believed, found, off) > believed
-            )
+            left_out[i:j] = fits and weigh(data, i, j, left_out) > believed
         i = j + 1
-    i = 0
+
+
+@kernel
+def among_found(data, given, left_out):
+    """Leaves out runs that the search found and that hid one another, or of which the evidence says nothing, unless
+    what is new nearby explains them."""
+    y, sigma, factor, unit, believed, found = data
+    all_found = left_out | found
+    i, n = 0, len(y)
     while i < n:
         j = i
         while j < n and found[j] and not given[j]:
             j += 1
         if j > i and not left_out[i:j].any():
-            new = False
-            for k in range(max(0, i - REACH), min(n, j + REACH)):
-                new = new or (left_out[k] and not found[k] and not given[k])
-            if not new:
-                odds_now = evidence(y, sigma, factor, i, j, left_out, unit, off)
-                left_out[i:j] = odds_now == NEVER or odds_now > -FOUND
+            near = slice(max(0, i - REACH), min(n, j + REACH))
+            if not (left_out[near] & ~found[near] & ~given[near]).any():
+                all_found[i:j] = False
+                odds = evidence(y, sigma, factor, i, j, all_found, unit, np.empty(LONGEST))
+                left_out[i:j] = odds > -FOUND or odds == NEVER
+                all_found[i:j] = True
         i = j + 1
-
-
-@kernel
-def keep_long(found, left_out):
-    """Leaves out what is too long to be weighed."""
-    i, n = 0, len(found)
-    while i < n:
-        j = i
-        while j < n and found[j]:
-            j += 1
-        if j - i > LONGEST:
-            left_out[i:j] = True
-        i = j + 1
-
-
-@kernel
-def weigh(y, sigma, factor, p, q, left_out, unit, believed, found, off):
-    """Log odds of a run, what the search says counted in."""
-    odds = evidence(y, sigma, factor, p, q, left_out, unit, off)
-    if found[p:q].all():
-        return max(odds + believed + FOUND, NEVER + 1.0)  # it is asked again
-    if odds == NEVER:
-        return odds
-    return odds - DOUBT if q - p <= SHORT else odds
 
 
 @kernel

@@ -1,4 +1,4 @@
-"""Runs of frames that leap out of the motion, stay away and leap back, told from kicks by the weight of evidence."""
+"""Runs of frames that leap out of the motion and back, told from kicks by the weight of evidence."""
 
 from __future__ import annotations
 
@@ -7,12 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from . import _bursts, _verdict
-from ._evidence import LONGEST, NEVER
 from ._quantiles import quantile
 from .artefacts import SHIFT, Body, runs
 from .smoothing import Strength
 
-BELIEVED = 0.0  # log odds of a run
+BELIEVED = 1.5  # log odds of a run
 BESIDE = -3.0  # next to a channel of the joint that is believed
 LEAST_NOISE = 1e-6  # degrees
 
@@ -20,21 +19,23 @@ LEAST_NOISE = 1e-6  # degrees
 def bursts(
     y: np.ndarray,
     at: Strength,
-    given: np.ndarray,
     bad: np.ndarray,
+    given: np.ndarray,
     groups: Sequence[np.ndarray],
     body: Body,
     turns: np.ndarray,
-    believed: float = BELIEVED,
 ) -> np.ndarray:
-    """Bad frames (C, n) with those added that the evidence asks for; at: strengths without the bad ones.
-    turns (groups, n): second difference of a joint's rotation itself, without which only its notation leaps."""
+    """Frames (C, n) that the evidence calls bad: the given ones, of those that the search calls bad all that are no
+    motion after all, and runs that it overlooked.
+
+    at: strengths without the bad ones; turns (groups, n): second difference of a joint's rotation itself, without which
+    only its notation leaps."""
     out, units = given.copy(), body.shift / SHIFT
     found = bad & ~given
     sigma = np.maximum(at.sigma, LEAST_NOISE * units)
     usual = 0.5 * 1.4826 * quantile(np.abs(np.diff(y, 3, axis=1)), 0.5)
     for c in range(len(y)):
-        _bursts.pursue(y[c], sigma[c], at.smoothing[c], usual[c], believed, units[c], found[c], out[c])
+        _bursts.pursue(y[c], sigma[c], at.smoothing[c], usual[c], BELIEVED, units[c], found[c], out[c])
     new = out & ~bad
     for group, turn in zip(groups, turns, strict=True):
         together = new[group].any(0)

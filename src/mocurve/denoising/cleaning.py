@@ -20,7 +20,6 @@ from .smoothing import Strength
 
 PASSES = 2  # the second sees the samples minus a fit, where the motion's own curvature is gone
 ROUNDS = 2  # the second judges the core of what was not believed as a whole
-CAREFUL = (4.0, 0.0)  # log odds of bursts, first and then
 SHORTEST = 8  # samples: fewer cannot tell noise from motion
 REAL = 0.3  # part of a leap that the rotation of the joint has at least
 COMES_TO_REST = 0.1  # seconds, for frames that are filled in at an end of the clip
@@ -100,7 +99,9 @@ def clean(
         level[moved] = artefacts.noise_level(filled[moved])
         filled_in = lost | frozen | leapt
         bad, near = _found(y, filled, filled_in, level, groups, pools, body, turns, strength, fps)
-        bad, near = _weighed(filled, bad, filled_in, level, groups, pools, body, turns, strength, near)
+        if y.shape[1] >= 2 * SHORTEST:
+            near, _ = _strength(filled, bad, pools, strength, near, level)
+            bad = bursts(filled, near, bad, filled_in, groups, body, turns)
     else:
         bad = np.ascontiguousarray(known.T) | lost
         frozen &= bad
@@ -153,28 +154,6 @@ def _found(
             at, sigma = _strength(y, bad, pools, inflate, at, level)
             base = smoothing.fit(y, (~bad).astype(np.float64), at)[0]
     assert at is not None  # PASSES is at least 1
-    return bad, at
-
-
-def _weighed(
-    y: np.ndarray,
-    bad: np.ndarray,
-    filled_in: np.ndarray,
-    level: np.ndarray,
-    groups: Sequence[np.ndarray],
-    pools: Sequence[np.ndarray],
-    body: Body,
-    turns: np.ndarray,
-    inflate: float,
-    near: Strength,
-) -> tuple[np.ndarray, Strength]:
-    """Bad frames (C, n) without those that are motion after all, and with longer runs that leap out and back."""
-    if y.shape[1] < SHORTEST + SHORTEST:
-        return bad, near
-    at, found = near, bad
-    for believed in CAREFUL:
-        at, _ = _strength(y, bad, pools, inflate, at, level)
-        bad = bursts(y, at, filled_in, found, groups, body, turns, believed)
     return bad, at
 
 
