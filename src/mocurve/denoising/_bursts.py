@@ -97,7 +97,7 @@ def ask_again(data, given, left_out):
 def among_found(data, given, left_out):
     """Leaves out runs that the search found and that hid one another, or of which the evidence says nothing, unless
     what is new nearby explains them."""
-    y, sigma, factor, unit, believed, found = data
+    y, sigma, factor, unit, _, found = data
     all_found = left_out | found
     i, n = 0, len(y)
     while i < n:

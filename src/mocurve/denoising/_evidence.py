@@ -51,6 +51,17 @@ def whiten(factor, b):
 
 
 @kernel
+def differences(y, sigma, factor, first, size):
+    """The whitened third differences (size,) of a channel from a frame on."""
+    z = np.empty(max(size, 0))
+    for i in range(size):
+        at = first + i
+        z[i] = (y[at + 3] - 3.0 * y[at + 2] + 3.0 * y[at + 1] - y[at]) / sigma
+    whiten(factor, z)
+    return z
+
+
+@kernel
 def column(factor, frame, size, basis, known):
     """What one frame adds to the whitened third differences, less what the first `known` rows of the basis explain."""
     v = np.zeros(size)
@@ -145,11 +156,7 @@ def evidence(y, sigma, factor, p, q, left_out, unit, off):
     sigma: noise; factor: `root` of the smoothing; left_out (n,) frames that are no motion already; unit: one degree."""
     first, last, m = max(0, p - REACH), min(len(y), q + REACH), q - p
     size = last - first - 3
-    z = np.empty(max(size, 0))
-    for i in range(size):
-        at = first + i
-        z[i] = (y[at + 3] - 3.0 * y[at + 2] + 3.0 * y[at + 1] - y[at]) / sigma
-    whiten(factor, z)
+    z = differences(y, sigma, factor, first, size)
     basis, known = np.empty((SIZE, max(size, 0))), 0
     for i in range(first, last):
         if left_out[i] and not p <= i < q:
@@ -186,14 +193,14 @@ def evidence(y, sigma, factor, p, q, left_out, unit, off):
 
 
 @kernel
-def weighed(y, sigma, factor, p, q, left_out, unit, off, z, odds):
-    """Log odds from those of the curves and from the leaps; z (size,): what the curve without the run leaves over."""
+def curve(y, sigma, factor, p, q, off, z):
+    """The frames around a run as they are without it, smooth, and the run's own place on that curve."""
     first, m, size = max(0, p - REACH), q - p, len(z)
     for i in range(size - 1, -1, -1):  # L'^-1
         for k in range(1, min(3, size - 1 - i) + 1):
             z[i] -= factor[i + k, k] * z[i + k]
         z[i] /= factor[i, 0]
-    x = y[first : first + size + 3].copy()  # the curve without the run
+    x = y[first : first + size + 3].copy()
     for i in range(size):
         x[i] += sigma * z[i]
         x[i + 1] -= 3.0 * sigma * z[i]
@@ -201,6 +208,14 @@ def weighed(y, sigma, factor, p, q, left_out, unit, off, z, odds):
         x[i + 3] -= sigma * z[i]
     for i in range(m):
         x[p - first + i] = y[p + i] - off[i]
+    return x
+
+
+@kernel
+def weighed(y, sigma, factor, p, q, left_out, unit, off, z, odds):
+    """Log odds from those of the curves and from the leaps; z (size,): what the curve without the run leaves over."""
+    first, m = max(0, p - REACH), q - p
+    x = curve(y, sigma, factor, p, q, off, z)
     curved = 2.0 * sigma
     for i in range(max(1, p - first - NEAR), min(len(x) - 1, q - first + NEAR)):
         at = first + i
