@@ -19,7 +19,7 @@ import clips
 import numpy as np
 
 from mocurve import KeyedMotion, MocurveError, Motion, read, reduce
-from mocurve.contacts import planted
+from mocurve.feet.planted import planted
 from mocurve.kinematics import rest_height, world
 from mocurve.reduction import ALIGNMENTS, METHODS
 

@@ -90,6 +90,18 @@ def test_a_sheet_shows_both_figures_in_their_colours(tmp_path):
     assert near(picture, draw.ALONE[0]) == 0
 
 
+def test_poses_along_the_way_stand_where_they_are(tmp_path):
+    places = np.zeros((50, 12))
+    places[:, 0] = np.linspace(0, 200, 50)  # the pole goes to the right
+    for poses in (1, 5, 9):
+        draw.render(replace(pole(), values=places), tmp_path / "a.png", poses=poses, view="front", width=600)
+        picture = pixels(tmp_path / "a.png")
+        columns = (picture[:, :, 2] - picture[:, :, 0] > 50).any(axis=0)  # near and far bones are blue
+        assert np.count_nonzero(np.diff(columns.astype(int), prepend=0) == 1) == poses
+    with pytest.raises(OptionError, match=r"drawn as \.png"):
+        draw.render(pole(), tmp_path / "a.gif", poses=3)
+
+
 def test_a_sheet_of_one_frame_is_one_panel(tmp_path):
     draw.render(pole(1), tmp_path / "one.png", width=200)
     assert near(pixels(tmp_path / "one.png"), draw.ALONE[0]) > 50
@@ -135,6 +147,8 @@ def test_wrong_options_are_refused(tmp_path):
         ({"width": 3}, "width is from 64 to 8192 pixels, not 3"),
         ({"frame": 50}, "there is no frame 50: the clip has frames 0 to 49"),
         ({"frame": -1}, "there is no frame -1"),
+        ({"poses": 0}, "poses is from 1 to 200, not 0"),
+        ({"poses": 3, "frame": 1}, "not together with a single frame"),
         ({"fps": 0}, "fps is over 0 and at most 50"),
         ({"fps": float("nan")}, "fps is over 0 and at most 50"),
     ]:

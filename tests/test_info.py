@@ -62,6 +62,14 @@ def test_the_example_that_ships_is_described(jump: Path) -> None:
     assert any("bones of length zero (LHipJoint, RHipJoint, LowerBack and 7 more)" in text for text in found.oddities)
 
 
+def test_the_steps_that_made_a_clip_are_told(jump: Path) -> None:
+    motion = read(jump)
+    assert "made by" not in str(info.inspect(motion))
+    found = info.inspect(motion[10:20])
+    assert str(found).splitlines()[-1] == f"made by: read {jump}, trim"
+    assert found.to_json()["history"] == list(motion[10:20].history)
+
+
 def test_it_is_json(jump: Path) -> None:
     told = json.loads(json.dumps(info.inspect(read(jump), jump).to_json()))
     assert told["path"] == str(jump)

@@ -91,6 +91,12 @@ def test_rounding_costs_no_frame(frames: int, rate: int) -> None:
     assert frame_count((frames - 1) * (1 / rate), 1 / rate) == frames
 
 
+@pytest.mark.parametrize("duration", [1e12, float("inf"), float("nan")])
+def test_no_clip_has_so_many_frames(duration: float) -> None:
+    with pytest.raises(OptionError, match="more than 100,000,000 frames"):
+        frame_count(duration, 0.01)
+
+
 # -- unrolling ---------------------------------------------------------------------------------------
 @given(st.permutations("XYZ"), st.integers(0, 1000), st.integers(2, 30))
 def test_unrolled_rotations_are_the_same_rotations(order: list[str], seed: int, frames: int) -> None:

@@ -52,6 +52,12 @@ def test_a_whole_power_is_the_transform_so_many_times(g: np.ndarray, count: int)
     np.testing.assert_allclose(planar.power(g, count), result, atol=1e-10 * (1 + np.abs(result).max()))
 
 
+@given(MOVES)
+def test_the_screw_of_a_transform_leads_to_it(g: np.ndarray) -> None:
+    np.testing.assert_allclose(planar.exp(planar.log(g)), g, atol=1e-12 * (1.0 + np.abs(g).max()))
+    np.testing.assert_allclose(planar.exp(0.5 * planar.log(g)), planar.power(g, 0.5), atol=1e-12)
+
+
 def test_a_screw_keeps_its_centre_and_many_exponents_come_at_once() -> None:
     g = np.array([0.8, 3.0, -1.0])
     parts = planar.power(g, np.linspace(0, 1, 9))

@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .errors import FileError, Mismatch, MocurveError, OptionError, UnknownName
+    from .feet.contacts import Contact
     from .keyed import HermiteCurve, KeyedMotion
     from .motion import Clip, Motion, unroll
+    from .path import Path
     from .skeleton import Skeleton
     from .spline import SplineMotion
 
@@ -26,15 +28,19 @@ _HOME = {
     "HermiteCurve": "keyed",
     "KeyedMotion": "keyed",
     "SplineMotion": "spline",
+    "Path": "path",
     "read": "formats",
     "write": "formats",
     "denoise": "denoising",
     "reduce": "reduction",
     "fit": "fitting",
     "refine": "reduction",
+    "poses": "reduction",
     "compare": "measure",
+    "trim": "edit.trim",
     "blend": "edit.blend",
     "mix": "edit.mix",
+    "interpolate": "edit.interpolate",
     "difference": "edit.difference",
     "add": "edit.add",
     "scale": "edit.scale",
@@ -43,10 +49,20 @@ _HOME = {
     "loop": "edit.loop",
     "join": "edit.join",
     "register": "edit.register",
+    "bands": "edit.bands",
+    "waveshape": "edit.waveshape",
+    "limit": "edit.limit",
+    "act_out": "edit.act_out",
+    "follow": "edit.follow",
+    "Contact": "feet.contacts",
+    "contacts": "feet.contacts",
+    "lock_feet": "edit.lock_feet",
     "render": "draw",
+    "sheet": "draw",
+    "run": "recipe",
 }
 __all__ = ["__version__", *_HOME]
-__version__ = "0.2.0"
+__version__ = "0.3.0"
 
 
 def __getattr__(name: str) -> Any:

@@ -7,7 +7,7 @@ drawn larger and then reduced, which smooths their edges.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Literal, get_args
@@ -18,19 +18,24 @@ from PIL import Image
 from . import draw_scene as scene
 from . import kinematics
 from .draw_curves import curves
+from .draw_lines import lines
 from .errors import OptionError
 from .formats._files import replacing
+from .info import z_is_up
 from .keyed import KeyedMotion
 from .motion import Clip
 from .progress import advance
 
-__all__ = ["curves", "render"]
+__all__ = ["curves", "lines", "render", "sheet"]
 
 View = Literal["front", "side", "top", "three-quarter"]
 
 LARGER = 3  # a still is drawn this much larger, a moving picture:
 LARGER_GIF = 2
 SHEET = (4, 2)  # poses across and down
+ACROSS = 6  # of a sheet with more than 8, at most
+MOST_ON_SHEET = 600
+MOST_POSES = 200  # in one picture
 MOST_GIF_FPS = 50  # players take a delay under 2/100 s for 10/100 s
 MOST_GIF_PICTURES = 1000
 COLOURS = 128  # of a GIF
@@ -48,8 +53,9 @@ def render(
     view: View = "three-quarter",
     fps: float = 25.0,
     frame: int | None = None,
+    poses: int | None = None,
 ) -> None:
-    """Draw the moving figure: .png shows one pose or a sheet of poses along the way, .gif plays the clip.
+    """Draw the moving figure: .png shows one pose, poses along the way or a sheet of them, .gif plays the clip.
 
     A second clip is drawn over the first, in green over red; it may have another skeleton or frame rate.
 
@@ -57,6 +63,7 @@ def render(
     view: front (looking against Z, or along Y where Z points up), side, top or three-quarter.
     fps: pictures a second of a .gif, at most 50; fewer where the clip has fewer frames or would take over 1000.
     frame: the one frame to show, counted from 0; .png only. Without it: a sheet of eight poses.
+    poses: so many poses in one picture, each at its place on the way; .png only.
 
     OptionError for another extension, an unknown view, a frame that is not there or a clip without frames.
 
@@ -66,12 +73,39 @@ def render(
     kind = path.suffix.lower()
     if kind not in (".png", ".gif"):
         raise OptionError(f"{path.name}: the extension of a picture is .png or .gif, not {kind!r}")
-    _check(clip, kind, width, view, fps, frame)
+    _check(clip, kind, width, view, fps, frame, poses)
     figures = _figures(clip, second)
     if kind == ".gif":
         _write_gif(figures, clip, path, width, view, fps)
         return
-    image = _sheet(figures, clip, width, view) if frame is None else _pose(figures, clip, width, view, frame)
+    if poses is not None:
+        image = _along(figures, clip, width, view, poses)
+    elif frame is not None:
+        image = _pose(figures, clip, width, view, frame)
+    else:  # poses evenly in time
+        evenly = np.linspace(0, clip.frames - 1, SHEET[0] * SHEET[1]).round().astype(int)
+        image = _sheet(figures, clip, width, view, np.unique(evenly), numbered=False)
+    with replacing(path) as file:
+        image.save(file, "PNG", optimize=True)
+
+
+def sheet(
+    clip: Clip, path: str | PathLike[str], frames: Sequence[int], *, width: int = 1200, view: View = "three-quarter"
+) -> None:
+    """A contact sheet, .png: the poses at these frames, each with its time and its frame, line after line.
+
+    OptionError for another extension, an unknown view, a frame that is not there or a clip without frames.
+
+    >>> mc.sheet(walk, "poses.png", mc.reduce(walk, keys=12).report.key_frames)
+    """
+    path = Path(path)
+    if path.suffix.lower() != ".png":
+        raise OptionError(f"{path.name}: the extension of a sheet is .png, not {path.suffix.lower()!r}")
+    if not 1 <= len(frames) <= MOST_ON_SHEET:
+        raise OptionError(f"a sheet shows 1 to {MOST_ON_SHEET} poses, not {len(frames)}")
+    for frame in (min(frames), max(frames)):
+        _check(clip, ".png", width, view, MOST_GIF_FPS, int(frame), None)
+    image = _sheet(_figures(clip, None), clip, width, view, np.array(frames, np.int64), numbered=True)
     with replacing(path) as file:
         image.save(file, "PNG", optimize=True)
 
@@ -79,7 +113,7 @@ def render(
 # -- in call order -----------------------------------------------------------------------------------------------------
 
 
-def _check(clip: Clip, kind: str, width: int, view: str, fps: float, frame: int | None) -> None:
+def _check(clip: Clip, kind: str, width: int, view: str, fps: float, frame: int | None, poses: int | None) -> None:
     if view not in get_args(View):
         raise OptionError(f"view is one of {', '.join(get_args(View))}, not {view!r}")
     if not 64 <= width <= 8192:
@@ -90,6 +124,10 @@ def _check(clip: Clip, kind: str, width: int, view: str, fps: float, frame: int 
         raise OptionError("one frame is drawn as .png; a .gif plays them all")
     if not 0 < fps <= MOST_GIF_FPS:
         raise OptionError(f"fps is over 0 and at most {MOST_GIF_FPS}, which is what a .gif can play; not {fps:g}")
+    if poses is not None and (kind == ".gif" or frame is not None):
+        raise OptionError("poses along the way are drawn as .png, and not together with a single frame")
+    if poses is not None and not 1 <= poses <= MOST_POSES:
+        raise OptionError(f"poses is from 1 to {MOST_POSES}, not {poses}")
     if frame is not None and not 0 <= frame < clip.frames:
         raise OptionError(f"there is no frame {frame}: the clip has frames 0 to {clip.frames - 1}")
 
@@ -101,7 +139,7 @@ def _figures(clip: Clip, second: Clip | None) -> list[scene.Figure]:
         places += [others[np.minimum(np.arange(clip.frames), len(others) - 1)]]  # the shorter stays in its last pose
     if not all(np.isfinite(there).all() for there in places):
         raise OptionError("a clip has values that are not finite numbers; they cannot be drawn")
-    if scene.z_is_up(places[0]):
+    if z_is_up(places[0]):
         places = [scene.y_up(there) for there in places]
     if second is None or len(places) < 2:
         return [scene.Figure(clip.skeleton, places[0], *ALONE, "")]
@@ -129,10 +167,27 @@ def _pose(figures: list[scene.Figure], clip: Clip, width: int, view: str, frame:
     return image.reduce(LARGER)
 
 
-def _sheet(figures: list[scene.Figure], clip: Clip, width: int, view: str) -> Image.Image:
-    """Poses evenly in time; every panel has the same scale and follows the figure over the ground."""
-    frames = np.unique(np.linspace(0, clip.frames - 1, SHEET[0] * SHEET[1]).round().astype(int))
-    across = min(len(frames), SHEET[0])
+def _along(figures: list[scene.Figure], clip: Clip, width: int, view: str, poses: int) -> Image.Image:
+    """Poses evenly in time, each where it is, and the way of the root over the ground."""
+    frames = np.unique(np.linspace(0, clip.frames - 1, poses).round().astype(int))
+    floor = scene.ground(figures)
+    shown = _shown(figures, np.arange(clip.frames), floor)
+    camera = scene.camera(shown, view, width * LARGER, (0.2, 1.2))
+    image = scene.empty(camera, floor, shown)
+    for figure in figures:
+        scene.draw_trail(image, camera, figure, floor, clip.frames - 1)
+    for frame in frames:
+        for figure in figures:
+            scene.draw_figure(image, camera, figure, floor, frame)
+    scene.label(image, figures, clip.duration, 13 * LARGER)
+    return image.reduce(LARGER)
+
+
+def _sheet(
+    figures: list[scene.Figure], clip: Clip, width: int, view: str, frames: np.ndarray, numbered: bool
+) -> Image.Image:
+    """Poses at the frames (K,); every panel has the same scale and follows the figure over the ground."""
+    across = min(len(frames), SHEET[0] if len(frames) <= SHEET[0] * SHEET[1] else ACROSS)
     floor = scene.ground(figures)
     middle = figures[0].places.mean(axis=1) * (1, 0, 1)  # (F, 3)
     near = np.concatenate([_shown(figures, np.array([f]), floor) - middle[f] for f in frames])
@@ -145,7 +200,8 @@ def _sheet(figures: list[scene.Figure], clip: Clip, width: int, view: str) -> Im
         image = scene.empty(here, floor, near + middle[frame])
         for figure in figures:
             scene.draw_figure(image, here, figure, floor, frame)
-        scene.label(image, figures if i == 0 else [], frame * clip.frame_time, 13 * LARGER)
+        which = f", frame {frame}" if numbered else ""
+        scene.label(image, figures if i == 0 else [], frame * clip.frame_time, 13 * LARGER, which)
         sheet.paste(image.reduce(LARGER), (i % across * panel, i // across * high))
         advance("drawing", i + 1, len(frames))
     return sheet

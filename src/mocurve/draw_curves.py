@@ -61,10 +61,10 @@ def _drawn(
     box = (5 * letter, 2.6 * letter, width - 1.2 * letter, size[1] - 3.4 * letter)  # left, top, right, bottom
     shown = np.concatenate([samples, smooth])
     margin = max(0.08 * float(np.ptp(shown)), 1e-3)
-    axes = _Axes(box, (float(times[0]), float(times[-1])), (float(shown.min()) - margin, float(shown.max()) + margin))
+    axes = Axes(box, (float(times[0]), float(times[-1])), (float(shown.min()) - margin, float(shown.max()) + margin))
     image = Image.new("RGB", size, PAPER)
     unit = "degrees" if keyed.skeleton.rotation_channels[column] else "length units"
-    _frame(ImageDraw.Draw(image), axes, letter, f"{channel} ({unit})")
+    frame(ImageDraw.Draw(image), axes, letter, f"{channel} ({unit})")
     thick = max(1, width // 1200)
     left, top, right, bottom = (round(e + s * 7 * thick) for e, s in zip(box, (-1, -1, 1, 1), strict=True))
     bare, draw = image.copy(), ImageDraw.Draw(image)
@@ -78,12 +78,17 @@ def _drawn(
     for at in axes(curve.times, curve.values):
         draw.circle(at, 6 * thick, KEY, PAPER, thick)
     bare.paste(image.crop((left, top, right, bottom)), (left, top))  # without handles that leave the box
-    legend = [(SAMPLES, f"{len(samples)} samples"), (CURVE, "curve"), (KEY, f"{len(curve)} keys"), (HANDLE, "tangents")]
-    _legend(ImageDraw.Draw(bare), legend, box, letter)
+    entries = [
+        (SAMPLES, f"{len(samples)} samples"),
+        (CURVE, "curve"),
+        (KEY, f"{len(curve)} keys"),
+        (HANDLE, "tangents"),
+    ]
+    legend(ImageDraw.Draw(bare), entries, box, letter)
     return bare
 
 
-class _Axes:
+class Axes:
     """From (seconds, value) to pixels inside a box."""
 
     def __init__(
@@ -101,14 +106,15 @@ class _Axes:
         return list(zip(across.tolist(), down.tolist(), strict=True))
 
 
-def _frame(draw: ImageDraw.ImageDraw, axes: _Axes, letter: int, title: str) -> None:
+def frame(draw: ImageDraw.ImageDraw, axes: Axes, letter: int, title: str) -> None:
+    """Grid, numbers and a title; `letter` is the height of the letters in pixels."""
     font = ImageFont.load_default(letter)
     left, top, right, bottom = axes.box
-    for time in _ticks(*axes.span, 10):
+    for time in ticks(*axes.span, 10):
         ((across, _),) = axes(np.array([time]), np.array([axes.values[0]]))
         draw.line([(across, top), (across, bottom)], GRID, 2)
         draw.text((across, bottom + 0.4 * letter), f"{time:g}", TEXT, font, anchor="mt")
-    for value in _ticks(*axes.values, 6):
+    for value in ticks(*axes.values, 6):
         ((_, down),) = axes(np.array([axes.span[0]]), np.array([value]))
         draw.line([(left, down), (right, down)], GRID, 2)
         draw.text((left - 0.5 * letter, down), f"{value:g}", TEXT, font, anchor="rm")
@@ -116,7 +122,7 @@ def _frame(draw: ImageDraw.ImageDraw, axes: _Axes, letter: int, title: str) -> N
     draw.text((left, top - 0.8 * letter), title, TEXT, ImageFont.load_default(round(1.15 * letter)), anchor="ls")
 
 
-def _ticks(low: float, high: float, about: int) -> np.ndarray:
+def ticks(low: float, high: float, about: int) -> np.ndarray:
     """Round numbers within the span, about so many."""
     exact = (high - low) / about
     power = 10.0 ** np.floor(np.log10(exact))
@@ -125,12 +131,13 @@ def _ticks(low: float, high: float, about: int) -> np.ndarray:
     return np.round(ticks, max(0, -int(np.floor(np.log10(step))))) + 0.0  # no -0
 
 
-def _legend(
+def legend(
     draw: ImageDraw.ImageDraw,
     entries: list[tuple[str, str]],
     box: tuple[float, float, float, float],
     letter: int,
 ) -> None:
+    """Colours and what they stand for, above the right corner of the box."""
     font = ImageFont.load_default(letter)
     across = box[2]
     for colour, text in reversed(entries):

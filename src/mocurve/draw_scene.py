@@ -67,12 +67,6 @@ def camera(places: np.ndarray, view: str, width: int, shape: tuple[float, float]
     return Camera(axes, float((size / extent).min()), (low + high) / 2, size)
 
 
-def z_is_up(places: np.ndarray) -> bool:
-    """Whether bodies (F, J, 3) are clearly taller along Z than along Y, on the average over the frames."""
-    tall = np.ptp(places, axis=1).mean(axis=0)
-    return bool(tall[2] > 1.2 * tall[1])
-
-
 def y_up(places: np.ndarray) -> np.ndarray:
     """Places (..., 3) with Z up, turned so that Y is up."""
     return places[..., [0, 2, 1]] * (1, 1, -1)
@@ -132,12 +126,13 @@ def draw_figure(image: Image.Image, view: Camera, figure: Figure, floor: Ground,
         draw.circle(tuple(pixels[joint]), dot, colour)
 
 
-def label(image: Image.Image, figures: list[Figure], time: float, size: int) -> None:
-    """The time below on the left, above it the figures' names in their colours; letters of `size` pixels."""
+def label(image: Image.Image, figures: list[Figure], time: float, size: int, after: str = "") -> None:
+    """The time below on the left and what comes after it, above it the figures' names in their colours; letters of
+    `size` pixels."""
     draw = ImageDraw.Draw(image)
     font = ImageFont.load_default(size)
     lines: list[tuple[str, str | tuple[int, int, int]]] = [(f.name, f.near) for f in figures if f.name]
-    lines += [(f"{time:.2f} s", TEXT)]
+    lines += [(f"{time:.2f} s{after}", TEXT)]
     for i, (text, colour) in enumerate(reversed(lines)):
         draw.text((0.7 * size, image.size[1] - (0.6 + 1.25 * i) * size), text, colour, font, anchor="ls")
 

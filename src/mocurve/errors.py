@@ -35,7 +35,7 @@ class UnknownName(MocurveError, KeyError):
     def __init__(self, kind: str, name: str, known: Iterable[str]):
         from difflib import get_close_matches  # here, so that a start without errors does not pay for it
 
-        known = list(dict.fromkeys(known))
+        known, name = list(dict.fromkeys(known)), str(name)  # whatever was given instead of a name is told
         near = get_close_matches(name, known, n=1, cutoff=0.5) or [k for k in known if k.lower() == name.lower()]
         if near:
             hint = f"Did you mean {near[0]!r}?"

@@ -12,7 +12,7 @@ import numpy as np
 
 from .errors import OptionError
 from .kinematics import rest_height, rest_offsets
-from .motion import Motion, unroll
+from .motion import History, Motion, unroll
 
 PERSON_METRES = 1.7
 CMU_METRES = 0.0254 / 0.45  # the length unit of the CMU motion capture database, mocap.cs.cmu.edu/faqs.php
@@ -35,7 +35,7 @@ class Info:
 
     path: as given to `inspect`. rotation_orders: "ZYX" -> how many joints turn so. duration: seconds from first to
     last frame. rest_height: file units. unit: None where nobody said it and there is no height to guess it from.
-    oddities: a line each.
+    oddities: a line each. history: the steps that made it.
     """
 
     path: str | None
@@ -49,6 +49,7 @@ class Info:
     rest_height: float
     unit: Unit | None
     oddities: tuple[str, ...]
+    history: History = ()
 
     def __str__(self) -> str:
         orders = ", ".join(f"{order or 'none'} x {count}" for order, count in self.rotation_orders.items())
@@ -58,8 +59,18 @@ class Info:
             f"{_count(self.frames, 'frame')} at {self.fps:.6g} fps, {self.duration:.2f} s",
             self._size(),
             *(f"odd: {text}" for text in self.oddities),
+            *([f"made by: {', '.join(self._steps())}"] if self._steps() else []),
         ]
         return "\n".join(lines if self.path is None else [self.path, *("  " + line for line in lines)])
+
+    def _steps(self) -> list[str]:
+        """The verbs of the history; none where nothing was done since it was read."""
+        verbs = [str(step.get("verb", "?")) for step in self.history]
+        if verbs == ["read"]:
+            return []
+        return [
+            f"{verb} {step['file']}" if "file" in step else verb for verb, step in zip(verbs, self.history, strict=True)
+        ]
 
     def _size(self) -> str:
         height = f"{self.rest_height:.4g} units tall at rest"
@@ -70,7 +81,7 @@ class Info:
 
     def to_json(self) -> dict[str, Any]:
         """The same as plain numbers, texts and lists."""
-        return {**asdict(self), "oddities": list(self.oddities)}
+        return {**asdict(self), "oddities": list(self.oddities), "history": list(self.history)}
 
 
 def inspect(motion: Motion, path: str | PathLike[str] | None = None) -> Info:
@@ -98,6 +109,7 @@ def inspect(motion: Motion, path: str | PathLike[str] | None = None) -> Info:
         rest_height=height,
         unit=unit_of(motion) if height > 0 or skeleton.unit is not None else None,
         oddities=(*_odd_skeleton(motion), *_odd_frames(motion), *_odd_curves(motion)),
+        history=motion.history,
     )
 
 
@@ -116,6 +128,12 @@ def unit_of(motion: Motion) -> Unit:
         raise OptionError("the rest pose has no height to guess the length unit from: say it with the option unit")
     name = min(UNITS, key=lambda name: abs(np.log(height * UNITS[name] / PERSON_METRES)))
     return Unit(UNITS[name], name, False)
+
+
+def z_is_up(places: np.ndarray) -> bool:
+    """Whether bodies (F, J, 3) are clearly taller along Z than along Y, on the average over the frames."""
+    tall = np.ptp(places, axis=1).mean(axis=0)
+    return bool(tall[2] > 1.2 * tall[1])
 
 
 def first_frame_is_t_pose(motion: Motion) -> bool:

@@ -7,6 +7,7 @@ the axes that the earlier ones have moved (Meredith and Maddock 2001, Motion cap
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -15,7 +16,7 @@ from . import rotation
 from .errors import Mismatch
 from .motion import Motion
 
-SAME_DEGREES = 1e-9  # rotations as near as this are the same one: the channels stay as they are
+SAME_DEGREES = 1e-11  # rotations as near as this are the same one: the channels stay as they are
 EXPRESSIBLE_DEGREES = 1e-6
 
 
@@ -48,6 +49,26 @@ def rotations(motion: Motion) -> np.ndarray:
     for joint, (columns, order) in enumerate(motion.skeleton.eulers):
         result[:, joint] = rotation.from_euler(motion.values[:, columns], order)
     return result
+
+
+def world_rotations(motion: Motion, joints: Sequence[int]) -> np.ndarray:
+    """Quaternions (F, len(joints), 4) wxyz: how the world sees these joints' axes."""
+    skeleton, eulers = motion.skeleton, motion.skeleton.eulers
+    known: dict[int, np.ndarray] = {-1: np.broadcast_to([1.0, 0.0, 0.0, 0.0], (motion.frames, 4))}
+
+    def turned(joint: int) -> np.ndarray:
+        line = []
+        while joint not in known:
+            line.append(joint)
+            joint = int(skeleton.parents[joint])
+        above = known[joint]
+        for each in reversed(line):
+            columns, order = eulers[each]
+            own = rotation.from_euler(motion.values[:, columns], order) if order else None
+            above = known[each] = above if own is None else rotation.mul(above, own)
+        return above
+
+    return np.stack([turned(int(joint)) for joint in joints], axis=1)
 
 
 def with_rotations(motion: Motion, wxyz: np.ndarray) -> Motion:

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from .measure import Report
 
 History = tuple[dict[str, Any], ...]
+MAX_FRAMES = 100_000_000  # of any clip: eleven days at 100 frames a second
 
 
 class Clip(Protocol):
@@ -40,8 +41,16 @@ def checked_frame_time(frame_time: float) -> float:
     return float(frame_time)
 
 
+def trimmed(start: float, end: float) -> dict[str, Any]:
+    """The step of a history that says which piece was kept (seconds)."""
+    return {"verb": "trim", "start": start, "end": end}
+
+
 def frame_count(duration: float, frame_time: float) -> int:
-    """How many frames at this frame time lie within the duration (seconds), both ends included."""
+    """How many frames at this frame time lie within the duration (seconds), both ends included; OptionError where they
+    are more than any clip has."""
+    if not duration / frame_time < MAX_FRAMES:
+        raise OptionError(f"{duration:g} s in frames of {frame_time:g} s are more than {MAX_FRAMES:,} frames")
     return int(np.floor(duration / frame_time + 1e-6)) + 1
 
 
@@ -79,7 +88,12 @@ class Motion:
         """Some of the frames: motion[100:200] keeps frames 100 to 199."""
         if not isinstance(span, slice) or span.step not in (None, 1):
             raise OptionError("frames are cut with a plain slice, motion[first:last]")
-        return replace(self, values=self.values[span].copy(order="F"), report=None)
+        first, last, _ = span.indices(self.frames)
+        kept = self.values[span].copy(order="F")
+        history = self.history
+        if 0 < len(kept) < self.frames:
+            history = (*history, trimmed(first * self.frame_time, (last - 1) * self.frame_time))
+        return replace(self, values=kept, history=history, report=None)
 
     @property
     def frames(self) -> int:

@@ -29,19 +29,32 @@ def inverse(planar: np.ndarray) -> np.ndarray:
 def power(planar: np.ndarray, exponent: float | np.ndarray) -> np.ndarray:
     """The transform done `exponent` times, also a fraction or less than none: a screw about one fixed centre.
 
-    power(g, a + b) is compose(power(g, a), power(g, b)). The shift is S(angle) v for a constant velocity
-    v, S(angle) = [[sin, 1 - cos], [cos - 1, sin]] / angle; for a straight walk (angle 0) it is 1, and no exception.
+    power(g, a + b) is compose(power(g, a), power(g, b)).
     """
-    angle, exponent = np.asarray(planar[..., 0]), np.asarray(exponent, np.float64)
-    sine, versine = _screw(angle)
+    return exp(np.asarray(exponent, np.float64)[..., None] * log(planar))
+
+
+def log(planar: np.ndarray) -> np.ndarray:
+    """(..., 3) the turn and the constant velocity x, z of the screw that is done in one unit of time.
+
+    The shift is S(angle) v, S(angle) = [[sin, 1 - cos], [cos - 1, sin]] / angle; for a straight walk (angle 0) it is 1,
+    and no exception.
+    """
+    sine, versine = _screw(np.asarray(planar[..., 0]))
     size = sine * sine + versine * versine  # 0 only at whole turns, which have no screw unless they do not shift
     if np.any((size < 1e-20) & (np.hypot(planar[..., 1], planar[..., 2]) > 0)):
         raise OptionError("a whole turn that also shifts has no centre, and so no fractional power")
     size = np.where(size < 1e-20, 1.0, size)
     vx = (sine * planar[..., 1] - versine * planar[..., 2]) / size
     vz = (versine * planar[..., 1] + sine * planar[..., 2]) / size
-    sine, versine = (exponent * part for part in _screw(exponent * angle))
-    return np.stack(np.broadcast_arrays(exponent * angle, sine * vx + versine * vz, sine * vz - versine * vx), axis=-1)
+    return np.stack([planar[..., 0], vx, vz], axis=-1)
+
+
+def exp(screw: np.ndarray) -> np.ndarray:
+    """The transform (..., 3) after one unit of time of such a screw."""
+    angle, vx, vz = screw[..., 0], screw[..., 1], screw[..., 2]
+    sine, versine = _screw(angle)
+    return np.stack([angle, sine * vx + versine * vz, sine * vz - versine * vx], axis=-1)
 
 
 def move(planar: np.ndarray, places: np.ndarray) -> np.ndarray:

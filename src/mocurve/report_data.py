@@ -10,7 +10,7 @@ import numpy as np
 
 from . import draw_scene, kinematics
 from .errors import MocurveError, OptionError
-from .info import unit_of
+from .info import unit_of, z_is_up
 from .keyed import KeyedMotion
 from .measure import Report, side_by_side
 from .measure_noise import Noise
@@ -154,7 +154,7 @@ def _poses(first: Motion, second: Motion) -> dict[str, Any]:
     count = int(first.duration * fps + 1e-6) + 1
     frames = np.minimum((np.arange(count) / fps / first.frame_time).round().astype(int), first.frames - 1)
     a, b = (kinematics.world(_some(motion, frames)) for motion in (first, second))
-    if draw_scene.z_is_up(a):
+    if z_is_up(a):
         a, b = draw_scene.y_up(a), draw_scene.y_up(b)
     figures = [draw_scene.Figure(first.skeleton, places, (0, 0, 0), (0, 0, 0), "") for places in (a, b)]
     ground = draw_scene.ground(figures)

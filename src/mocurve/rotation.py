@@ -140,6 +140,20 @@ def unroll_euler(degrees: np.ndarray, order: str) -> np.ndarray:
     return result + 360.0 * turns
 
 
+def near_euler(degrees: np.ndarray, order: str, to: np.ndarray) -> np.ndarray:
+    """The same rotations (F, n), degrees, each written as near as it can be to other angles (F, n): with whole turns,
+    and as the other Euler triple where that is nearer."""
+    degrees, to = _checked(degrees, order), _checked(to, order)
+    near = degrees - 360.0 * np.rint((degrees - to) / 360.0)
+    if len(order) != 3 or order[1] in (order[0], order[2]):
+        return near
+    other = degrees + 180.0
+    other[:, 1] = 180.0 - degrees[:, 1]
+    other -= 360.0 * np.rint((other - to) / 360.0)
+    nearer = np.abs(other - to).max(axis=1) < np.abs(near - to).max(axis=1)
+    return np.where(nearer[:, None], other, near)
+
+
 def _parts(q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     return q[..., 0], q[..., 1], q[..., 2], q[..., 3]
 

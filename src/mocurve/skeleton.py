@@ -21,6 +21,40 @@ def frozen(array: np.ndarray) -> np.ndarray:
 
 
 @dataclass(frozen=True, eq=False)
+class JointLimits:
+    """How far a joint may turn, as files say it: least and largest Euler angles about axes of its own.
+
+    joint:     index of the joint.
+    axes:      (4,) wxyz, what turns the axes of the frame above the joint to those that the angles are about.
+    order:     axes of the angles, as a rotation order: "ZYX".
+    low, high: (n,) degrees, one for each axis of the order; infinite where there is no limit.
+    """
+
+    joint: int
+    axes: np.ndarray
+    order: str
+    low: np.ndarray
+    high: np.ndarray
+
+    def __post_init__(self) -> None:
+        if type(self.joint) is not int:
+            raise Mismatch(f"joint limits are of a joint, by its index, not of {self.joint!r}")
+        for name, count in (("axes", 4), ("low", len(self.order)), ("high", len(self.order))):
+            array = np.array(getattr(self, name), np.float64).reshape(-1)
+            if len(array) != count or np.isnan(array).any():
+                raise Mismatch(f"joint limits about {self.order!r} have {count} {name}, not {array.tolist()}")
+            object.__setattr__(self, name, frozen(array))
+        if not 1 <= len(self.order) <= 3 or any(axis not in AXES for axis in self.order):
+            raise OptionError(f"joint limits are about one to three axes of XYZ, not {self.order!r}")
+        if not abs(float(self.axes @ self.axes) - 1.0) < 1e-6:
+            raise Mismatch(f"the axes of joint limits are a quaternion of length 1, not {self.axes.tolist()}")
+        if not (self.low <= self.high).all():
+            raise Mismatch(
+                f"joint limits from {self.low.tolist()} to {self.high.tolist()}: the lower is above the higher"
+            )
+
+
+@dataclass(frozen=True, eq=False)
 class Skeleton:
     """Joints in depth-first order; a parent comes before its children, a root's parent is -1 (a file may have several
     roots).
@@ -31,6 +65,7 @@ class Skeleton:
     channels:  per joint, in file order, of "Xposition" ... "Zrotation"; an end site has none.
     end_sites: (J,) True for an end site, a place without channels that ends a bone. Empty: there are none.
     unit:      metres that one length unit of the file stands for, None where nobody said.
+    limits:    how far joints may turn, of those whose file says so; the others have no limits.
     """
 
     names: tuple[str, ...]
@@ -39,6 +74,7 @@ class Skeleton:
     channels: tuple[tuple[str, ...], ...]
     end_sites: np.ndarray = field(default_factory=lambda: np.zeros(0, bool))
     unit: float | None = None
+    limits: tuple[JointLimits, ...] = ()
 
     def __post_init__(self) -> None:
         count = len(self.names)
@@ -49,6 +85,7 @@ class Skeleton:
         put(self, "parents", frozen(np.array(self.parents, np.int64).reshape(-1)))
         put(self, "offsets", frozen(np.array(self.offsets, np.float64).reshape(-1, 3)))
         put(self, "end_sites", frozen(np.array(ends, bool).reshape(-1)))
+        put(self, "limits", tuple(self.limits))
         for label in ("parents", "offsets", "channels", "end_sites"):
             if len(getattr(self, label)) != count:
                 raise Mismatch(f"{count} joint names but {len(getattr(self, label))} {label}")
@@ -67,6 +104,9 @@ class Skeleton:
                     raise UnknownName(f"channel kind (joint {name!r})", kind, CHANNEL_KINDS)
         if self.unit is not None and not (np.isfinite(self.unit) and self.unit > 0):
             raise OptionError(f"unit must be a positive number of metres, not {self.unit!r}")
+        bounded = [limits.joint for limits in self.limits]
+        if any(not 0 <= joint < count for joint in bounded) or len(set(bounded)) < len(bounded):
+            raise Mismatch(f"joint limits are of the joints 0 to {count - 1}, each once, not of {bounded}")
 
     def __repr__(self) -> str:
         joints = len(self.names) - int(self.end_sites.sum())

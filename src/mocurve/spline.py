@@ -1,6 +1,6 @@
 """Motion as B-splines: one basis for all channels of a clip, and a coefficient of each at each of its places.
 
-Sudarsky and House 1998, sections 3 and 4: what is done to the coefficients is done to the curves.
+Sudarsky and House 1998, section 3: what is done to the coefficients is done to the curves.
 """
 
 from __future__ import annotations
@@ -202,12 +202,12 @@ def _aligned_keys(a: KeyedMotion, b: KeyedMotion) -> tuple[KeyedMotion, KeyedMot
         theirs = bspline.snapped(others.times, mine.times) if len(mine) > 1 else others.times
         others = replace(others, times=theirs)
         times = np.union1d(mine.times, theirs)
-        pairs.append((_with_keys(mine, times), _with_keys(others, times)))
+        pairs.append((with_keys(mine, times), with_keys(others, times)))
     first, second = (tuple(side) for side in zip(*pairs, strict=True)) if pairs else ((), ())
     return replace(a, curves=first, report=None), replace(b, curves=second, report=None)
 
 
-def _with_keys(curve: HermiteCurve, times: np.ndarray) -> HermiteCurve:
+def with_keys(curve: HermiteCurve, times: np.ndarray) -> HermiteCurve:
     """The same curve with a key at all these times, its own among them."""
     if len(times) < 2:
         return curve

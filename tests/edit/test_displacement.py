@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from chains import keys, samples
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from turning import ALONG, apart, spline, turning
 
@@ -19,6 +19,7 @@ HEADINGS = st.floats(-400, 400)
 
 
 @given(HEADINGS, HEADINGS, st.floats(-1500, 1500), st.floats(-60, 60), st.floats(-60, 60))
+@example(0.0, 1e-9, 0.0, 0.0, 0.0)
 def test_the_difference_added_to_the_second_is_the_first(
     start: float, other: float, turned: float, tilt: float, sway: float
 ) -> None:

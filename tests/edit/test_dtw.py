@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mocurve.edit._dtw import LEAST, path, smooth_map
+from mocurve.edit._dtw import PAIRS, SPANS, path, smooth_map
 
 SIZES = st.integers(1, 9)
 SEEDS = st.integers(0, 2**32 - 1)
@@ -70,6 +70,14 @@ def test_the_cost_is_that_of_a_reference_library() -> None:
         assert path(distances)[0] == pytest.approx(peer.dtw(distances, step_pattern="symmetric1").distance, abs=1e-9)
 
 
+def test_a_slope_as_steep_as_there_is_is_no_slope() -> None:
+    distances = np.ones((90, 3))
+    distances[:, 1] = 0.0
+    cost, way = path(distances, 100)
+    assert cost == path(distances)[0] == 2.0
+    assert len(way) == 90
+
+
 def test_the_same_twice_goes_straight() -> None:
     signal = np.sin(np.arange(50) / 5.0) + np.arange(50) / 40.0
     cost, way = path(np.abs(signal[:, None] - signal), 3)
@@ -86,12 +94,21 @@ def test_the_band_is_kept() -> None:
     assert not np.isfinite(path(distances, None, 0.1)[0])
 
 
-@given(SEEDS, st.floats(0.3, 3.0), st.floats(0.3, 3.0))
-def test_a_map_rises_and_keeps_its_ends(seed: int, length: float, other: float) -> None:
+def test_the_map_of_a_long_clip_has_no_more_knots_than_can_be_solved() -> None:
+    old = np.linspace(0.0, 3600.0, 1500)
+    pairs = smooth_map(old, old + 5.0 * np.sin(old / 300.0) - 5.0 * np.sin(12.0) * old / 3600.0, 2.4, 3)
+    assert len(pairs) == PAIRS * SPANS + 1
+    wanted = pairs[:, 0] + 5.0 * np.sin(pairs[:, 0] / 300.0) - 5.0 * np.sin(12.0) * pairs[:, 0] / 3600.0
+    assert np.abs(pairs[:, 1] - wanted).max() < 1.0
+
+
+@given(SEEDS, st.floats(0.3, 3.0), st.floats(0.3, 3.0), st.integers(1, 5))
+def test_a_map_keeps_its_slope_and_its_ends(seed: int, length: float, other: float, slope: int) -> None:
     moves = np.random.default_rng(seed).random((60, 2)).round()  # also stands for long
     places = np.concatenate([[[0.0, 0.0]], np.cumsum(moves, axis=0) + 1e-9 * np.arange(60)[:, None]])
     old, new = (places / places[-1] * [length, other]).T
-    pairs = smooth_map(old, new, 0.01)
+    pairs = smooth_map(old, new, 0.01, slope)
     rates = np.diff(pairs[:, 1]) / np.diff(pairs[:, 0])
-    assert (rates > 0.5 * LEAST * other / length).all()
+    assert rates.min() > 0.95 * min(1 / (slope + 1), 0.99 * other / length)
+    assert rates.max() < 1.05 * max(slope + 1, 1.01 * other / length)
     np.testing.assert_allclose(pairs[[0, -1]], [[0.0, 0.0], [length, other]], atol=1e-12)

@@ -89,10 +89,20 @@ def test_long_clips_are_matched_on_fewer_frames(monkeypatch: pytest.MonkeyPatch)
 
 
 def test_the_history_tells_one_step() -> None:
-    made = mc.register(replace(walk(200), history=({"verb": "denoise"},)), walk(200), band=0.2)
+    first, second = (replace(walk(200), history=({"verb": verb},)) for verb in ("denoise", "reduce"))
+    made = mc.register(first, second, band=0.2)
     told = json.loads(json.dumps(made.history))
     assert [step["verb"] for step in told] == ["denoise", "register"]
     assert (told[1]["slope"], told[1]["band"], told[1]["match"]) == (3, 0.2, "exact")
+    assert told[1]["with"] == [{"verb": "reduce"}]
+
+
+def test_a_t_pose_in_front_is_no_moment_of_its_own() -> None:
+    clip = walk(200)
+    posed = replace(walk(201), values=np.vstack([[[0, 90, 0] + [0.0] * 17], clip.values]))
+    found = measured(mc.register(posed, posed.sample()))
+    assert found.slowest == pytest.approx(1.0, abs=1e-6)
+    assert frames_off(posed, measured(mc.register(posed, mc.retime(posed, WARP))), WARP) < 1.0
 
 
 @pytest.mark.parametrize("name", ["12_01_walk", "01_01_jump", "94_01_dance_max"])

@@ -146,6 +146,7 @@ def test_a_walk_of_knots_every_fifth_of_a_second_keeps_its_root_within_millimetr
         ([1.0], "a pair of times is old:new"),
         ({1.0: float("inf")}, "a pair of times is old:new"),
         ([], "no pair of times is given"),
+        ({2.0: 1e9}, r"the clip would last 1e\+09 s"),
     ],
 )
 def test_wrong_times_are_refused(pairs: object, text: str) -> None:

@@ -10,7 +10,7 @@ from scipy.interpolate import BSpline, make_lsq_spline, splev, splrep
 
 import mocurve as mc
 from mocurve import kinematics
-from mocurve.contacts import planted
+from mocurve.feet.planted import planted
 from mocurve.fitting import KNOTS
 
 ALONE = mc.Skeleton(("A",), np.array([-1]), np.zeros((1, 3)), (("Zrotation",),))
@@ -150,9 +150,8 @@ def test_the_report_tells_knots_coefficients_and_errors(jumping: mc.Motion) -> N
     assert all(row["rms"] <= row["max"] for row in told["channels"])
     assert f"{made.values.size:,} coefficients for {jumping.values.size:,} samples" in repr(made)
     assert f"knots      {len(made.knots)}, shared by all channels" in str(made.report)
-    assert made.history == (
-        {"verb": "fit", "tolerance": ["1%height"], "knots": "fewest", "degree": 3, "ends": True, "feet": 0.25},
-    )
+    step = {"verb": "fit", "tolerance": ["1%height"], "knots": "fewest", "degree": 3, "ends": True, "feet": 0.25}
+    assert made.history == (*jumping.history, step)
     assert mc.compare(jumping, made).tolerance == "1%height"
 
 
@@ -160,7 +159,7 @@ def test_keys_and_splines_can_be_fitted_again(jumping: mc.Motion) -> None:
     made = mc.fit(jumping, tolerance="0.5deg")
     again = mc.fit(made, tolerance="2deg")
     assert len(again.values) < len(made.values)
-    assert [step["tolerance"] for step in again.history] == [["0.5deg"], ["2deg"]]
+    assert [step["tolerance"] for step in again.history[-2:]] == [["0.5deg"], ["2deg"]]
     assert mc.fit(mc.reduce(jumping, tolerance="1deg"), tolerance="1deg").frames == jumping.frames
 
 

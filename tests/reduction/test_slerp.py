@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 import mocurve as mc
 from mocurve import Motion, OptionError, Skeleton
-from mocurve.contacts import planted
+from mocurve.feet.planted import planted
 from mocurve.kinematics import rest_height
 from mocurve.reduction import linear, slerp_search
 from mocurve.reduction.slerp import JointTracks, Track, joint_keys

@@ -12,7 +12,7 @@ import pytest
 
 import mocurve as mc
 from mocurve import KeyedMotion, Motion
-from mocurve.contacts import planted
+from mocurve.feet.planted import planted
 from mocurve.kinematics import rest_height
 from mocurve.reduction import METHODS, optimal, world
 from mocurve.reduction._scene import put, tube

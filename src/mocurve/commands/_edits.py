@@ -24,6 +24,9 @@ Lossless = Annotated[
 ]
 
 
+SHOWN = 1e-12  # degrees or units: an angle between two equal rotations is not quite 0
+
+
 @dataclass(frozen=True)
 class Edited:
     """What a verb made: the numbers of it, and a sentence or more."""
@@ -43,7 +46,7 @@ class Edited:
             size["keys"] = self.clip.keys
         if isinstance(self.clip, SplineMotion):
             size["coefficients"] = len(self.clip.values)
-        step = {k: v for k, v in self.clip.history[-1].items() if k not in ("with", "pose")}
+        step = {k: v for k, v in self.clip.history[-1].items() if k not in ("with", "performance")}
         return {**step, **size, **self.numbers}
 
 
@@ -89,7 +92,9 @@ def nothing(clip: Clip) -> Motion:
 def sentence(told: dict[str, Any], of: str) -> str:
     """What `changed` found, in words."""
     parts = [
-        f"{row['name']} by {row['by']:.3g} {row['unit']} at {row['time']:.3g} s" for row in told.values() if row["by"]
+        f"{row['name']} by {row['by']:.3g} {row['unit']} at {row['time']:.3g} s"
+        for row in told.values()
+        if row["by"] > SHOWN
     ]
     return f"{of}: {', '.join(parts) or 'nothing'}"
 

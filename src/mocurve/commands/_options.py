@@ -13,8 +13,7 @@ from typing import Annotated, Any, get_type_hints
 from cyclopts import Parameter
 
 from ..errors import OptionError
-
-_ONLY_TYPED = ("Clip", "Motion", "KeyedMotion", "SplineMotion")  # nouns in the signatures of read and write
+from ..recipe import hints
 
 Source = Annotated[
     Path, Parameter(help="A clip: .bvh .glb .npz .c3d .asf+.amc, or keys: .curves.json (all: mocurve convert --help)")
@@ -35,14 +34,15 @@ Unit = Annotated[
 def with_options_of(*verbs: Callable[..., Any]) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Give a command the keyword-only options of verbs in place of its own **options: names, types, defaults and help.
 
-    The help of an option is what the verb's docstring says after its name.
+    What the command has itself under that name stays its own. The help of an option is what the verb's docstring says
+    after its name.
     """
     taken = [option for verb in verbs for option in _options(verb)]
 
     def give(command: Callable[..., None]) -> Callable[..., None]:
         own = get_type_hints(command, include_extras=True)
         kept = [p for p in inspect.signature(command).parameters.values() if p.kind is not p.VAR_KEYWORD]
-        parameters = [p.replace(annotation=own[p.name]) for p in kept] + taken
+        parameters = [p.replace(annotation=own[p.name]) for p in kept] + [p for p in taken if p.name not in own]
         command.__annotations__ = {p.name: p.annotation for p in parameters}
         command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]  # what inspect.signature reads
         return command
@@ -51,15 +51,14 @@ def with_options_of(*verbs: Callable[..., Any]) -> Callable[[Callable[..., None]
 
 
 def _options(verb: Callable[..., Any]) -> list[inspect.Parameter]:
-    # what the type checker alone imports need not be loaded: only the hints of options are looked at
-    names = {**vars(inspect.getmodule(verb)), **dict.fromkeys(_ONLY_TYPED, Any)}
-    hints, told = get_type_hints(verb, names), _told(verb.__doc__ or "")
+    kinds, told = hints(verb), _told(verb.__doc__ or "")
     options = []
     for option in inspect.signature(verb).parameters.values():
         if option.kind is option.KEYWORD_ONLY:
-            off = f"--no-{option.name}" if option.default is True else None
-            given = Parameter(help=told[option.name], negative=off)
-            options.append(option.replace(annotation=Annotated[_typed(hints[option.name]), given]))
+            off = f"--no-{option.name.replace('_', '-')}" if option.default is True else ()
+            several = kinds[option.name] == Sequence[int | str] | None  # --pin 30 70, as well as --pin 30 --pin 70
+            given = Parameter(help=told[option.name], negative=off, consume_multiple=several)
+            options.append(option.replace(annotation=Annotated[_typed(kinds[option.name]), given]))
     return options
 
 
@@ -76,6 +75,8 @@ def _typed(hint: Any) -> Any:
         return Path | None
     if hint == str | float | None:
         return str | None
+    if hint == Sequence[int | str] | None:
+        return list[str] | None
     return list[str] if hint in (str | Sequence[str], str | list[str]) else hint
 
 

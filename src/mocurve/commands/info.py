@@ -14,7 +14,8 @@ def info(file: Source, /, *, unit: Unit = None, json: Json = False) -> None:
     """What a file holds: skeleton, channels, frames, length unit, and what is odd about it.
 
     Files do not say their length unit: it is guessed from the height of the body at
-    rest, and the guess is told.
+    rest, and the guess is told. Where the file carries the steps that made it, these
+    are told, too: `mocurve run` does them to another clip.
 
     For example:
       mocurve info jump.bvh

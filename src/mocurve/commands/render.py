@@ -24,6 +24,7 @@ def render(file: Source, second: Source | None = None, /, *, output: Output, **o
 
     For example:
       mocurve render jump.bvh -o jump.gif
+      mocurve render jump.bvh -o way.png --poses 12 --view side
       mocurve render jump.bvh jump.curves.json -o both.png --view side
     """
     check_outputs(file, output)

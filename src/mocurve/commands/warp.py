@@ -10,6 +10,7 @@ from cyclopts import Parameter
 
 from ..edit import warp as verb
 from ..edit._pair import at_times
+from ..edit.trim import trim
 from ..errors import OptionError
 from ..formats import read
 from ..motion import Clip
@@ -96,12 +97,18 @@ def _moment(clip: Clip, at: float | None, path: Path) -> Clip:
         return clip
     if not 0 <= at <= clip.duration + 0.5 * clip.frame_time:
         raise OptionError(f"--pose-at {at:g} s lies outside of {path}, which goes from 0 to {clip.duration:g} s")
-    return at_times(clip, verb.at_frames(clip, np.array([at])), clip.frame_time)
+    return trim(clip, start=at, end=at)
 
 
 def _met(before: Clip, after: Clip) -> list[dict[str, Any]]:
     """What was asked and what came of it, a row a constraint."""
-    asked = after.history[-1].get("constraints", [])
+    step = after.history[-1]
+    asked = [
+        (name, time, value)
+        for name, values in step.get("values", {}).items()
+        for time, value in zip(step["at"], values, strict=True)
+        if value is not None
+    ]
     times = np.array([time for _, time, _ in asked])
     old, new = (at_times(clip, times, clip.frame_time).values for clip in (before, after))
     places = [before.skeleton.channel(name) for name, _, _ in asked]

@@ -5,8 +5,10 @@ before it is asked for.
 """
 
 VERBS = {
+    "trim": "trim",
     "blend": "blend",
     "mix": "mix",
+    "interpolate": "interpolate",
     "difference": "difference",
     "add": "add",
     "scale": "scale",
@@ -15,4 +17,10 @@ VERBS = {
     "loop": "loop",
     "join": "join",
     "register": "register",
+    "bands": "bands",
+    "waveshape": "waveshape",
+    "limit": "limit",
+    "act_out": "act_out",
+    "follow": "follow",
+    "lock_feet": "lock_feet",
 }

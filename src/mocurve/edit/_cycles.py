@@ -11,19 +11,22 @@ SHORTEST, LONGEST = 0.3, 4.0  # seconds of a cycle: faster nobody runs, slower i
 COARSE = 30.0  # frames a second of the first search
 AROUND = 0.04  # seconds on either side of a frame that are compared with it
 ALIKE = 0.5  # of the largest distance within the cycle; more is no return
+CLEAR = 0.1  # of it: as near as frames of the first search come where the cycle returns between two of them
 MOVED = 0.02  # of the body's size, the deviation of its joints from their middle; less is standing still
 NEARLY = 1.5  # times the best is as good, where something else is to be had for it
 ROWS = 96  # places of the first search that the second looks at
 
 
-def find(places: np.ndarray, frame_time: float, room: int, start: int | None = None) -> tuple[int, int]:
+def find(
+    places: np.ndarray, frame_time: float, room: int, resting: np.ndarray, start: int | None = None
+) -> tuple[int, int]:
     """First and last frame of the clearest cycle (the last is the first again), from `start` on if it is given.
 
-    places: (F, J, 3). room: frames wanted before the first and after the last.
+    places: (F, J, 3). room: frames wanted before the first and after the last. resting: (F, K) whether feet do.
 
     A pair is judged by its distance as a part of the largest distance within the cycle, so that standing still is none.
-    Of lags about as good the shortest is taken, of pairs about as good the one where the mean
-    of both moves on most evenly. OptionError where nothing returns.
+    Of lags about as good the shortest is taken; of pairs about as good the one where the mean of both moves on most
+    evenly, the feet that rest in one resting in the other too. OptionError where nothing returns.
     """
     stride = max(1, round(1.0 / (COARSE * frame_time)))
     offset = 0 if start is None else start % stride
@@ -37,14 +40,14 @@ def find(places: np.ndarray, frame_time: float, room: int, start: int | None = N
     if len(low) == 0:
         since = "" if start is None else f" after {start * frame_time:g} s"
         raise OptionError(f"no cycle is found: no pose returns{since} that was left in between; say start and end")
-    lag = int(low[np.argmax(best[low] <= NEARLY * best[low].min())])
+    lag = int(low[np.argmax(best[low] <= max(NEARLY * best[low].min(), CLEAR))])
     order = np.argsort(alike[:, lag])[:ROWS]
     near = rows[order[alike[order, lag] <= NEARLY * best[lag]]]
     if start is None:
         near = np.unique(near[:, None] + np.arange(stride))
     lags = stride * lag + np.arange(-stride, stride + 1)
     first, last = (pairs.ravel() for pairs in np.broadcast_arrays(near[:, None], near[:, None] + lags))
-    return _chosen(places, first, last, frame_time)
+    return _chosen(places, resting, first, last, frame_time)
 
 
 def step(places: np.ndarray, first: int, last: int, frame_time: float) -> np.ndarray:
@@ -80,8 +83,11 @@ def _returns(places: np.ndarray, frame_time: float) -> np.ndarray:
     return result
 
 
-def _chosen(places: np.ndarray, first: np.ndarray, last: np.ndarray, frame_time: float) -> tuple[int, int]:
-    """Of pairs (P,) about as near to each other as the nearest, the one whose mean moves on most evenly."""
+def _chosen(
+    places: np.ndarray, resting: np.ndarray, first: np.ndarray, last: np.ndarray, frame_time: float
+) -> tuple[int, int]:
+    """Of pairs (P,) about as near to each other as the nearest, the one whose mean moves on most evenly, and whose feet
+    do the same."""
     half = _half(frame_time)
     inside = (first >= half) & (last < len(places) - half)
     if not inside.any():  # the start is given, and lies at the very edge
@@ -90,6 +96,9 @@ def _chosen(places: np.ndarray, first: np.ndarray, last: np.ndarray, frame_time:
     distance, bend = _compared(*_around(places, first, last, half))
     least = float(distance.min())
     cost = distance / max(least, 1e-300) + bend / max(float(bend.min()), 1e-300)
+    if resting.shape[1]:
+        rests, rest = _around(resting, first, last, half)
+        cost *= 1.0 + np.mean(rests != rest, axis=(-2, -1))
     best = np.argmin(np.where(distance <= NEARLY * least, cost, np.inf))
     return int(first[best]), int(last[best])
 
@@ -99,7 +108,8 @@ def _half(frame_time: float) -> int:
 
 
 def _around(places: np.ndarray, first: np.ndarray | int, last: np.ndarray | int, half: int) -> list[np.ndarray]:
-    """The places (..., w, J, 3) of the frames around each of two, as far as the clip goes on both sides of both."""
+    """What is known of frames (F, ...), of those (..., w, ...) around each of two, as far as the clip goes on both
+    sides of both."""
     half = min(half, *(min(np.min(frames), len(places) - 1 - np.max(frames)) for frames in (first, last)))
     near = np.arange(-half, half + 1)
     return [places[np.asarray(frames)[..., None] + near] for frames in (first, last)]

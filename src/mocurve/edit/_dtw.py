@@ -10,8 +10,8 @@ import numpy as np
 from scipy.interpolate import BSpline
 from scipy.optimize import lsq_linear
 
-KNOTS = 0.2  # seconds between the knots of the map
-LEAST = 0.05  # of the even speed: slower the map never gets
+KNOTS, SPANS = 0.2, 300  # seconds between the knots of the map; further apart where these are too many
+PAIRS = 4  # of a map, from knot to knot
 STIFF = 0.1  # weight of a change of speed from knot to knot, in frames
 
 
@@ -32,7 +32,7 @@ def path(distances: np.ndarray, slope: int | None = None, band: float = np.inf) 
     to_second = list(range(states)) if slope is None else [0, *firsts]
     before = np.full((states, rows + 1), np.inf)  # of a diagonal, [state, 1 + i]; two diagonals are kept
     last = before.copy()
-    came = np.zeros((rows + columns - 1, 3, rows), np.int8)
+    came = np.zeros((rows + columns - 1, 3, rows), np.uint8)
     for diagonal in range(rows + columns - 1):
         i = np.arange(max(0, diagonal - columns + 1), min(diagonal, rows - 1) + 1)
         now = np.full_like(last, np.inf)
@@ -48,7 +48,7 @@ def path(distances: np.ndarray, slope: int | None = None, band: float = np.inf) 
                 )
             ):
                 best = np.argmin(source[pool], axis=0)
-                came[diagonal, place, i] = np.array(pool, np.int8)[best]
+                came[diagonal, place, i] = np.array(pool, np.uint8)[best]
                 here[state] = source[pool][best, np.arange(len(i))]
             here[2 : 1 + run] = last[1:run, i]
             here[2 + run :] = last[1 + run : states - 1, i + 1]
@@ -61,14 +61,16 @@ def path(distances: np.ndarray, slope: int | None = None, band: float = np.inf) 
     return cost, _traced(came, state, run, rows, columns) if np.isfinite(cost) else np.zeros((0, 2), np.int64)
 
 
-def smooth_map(old: np.ndarray, new: np.ndarray, step: float) -> np.ndarray:
+def smooth_map(old: np.ndarray, new: np.ndarray, step: float, slope: int) -> np.ndarray:
     """Pairs (K, 2) of a strictly rising map that follows old and new times (P,) of a path, seconds, ends kept.
 
-    A cubic B-spline whose coefficients rise is a rising curve: least squares over their differences, which are bounded
-    from below. step: the longer frame time, in which misses and changes of speed are weighed.
+    The rates of a cubic B-spline lie between those of its coefficients: least squares over these, which are bounded by
+    what a path of this slope can do, slope + 1 frames of one to one of the other. step: the longer frame time, in which
+    misses and changes of speed are weighed.
     """
     start, end = old[0], old[-1]
-    count = max(1, round((end - start) / KNOTS))
+    count = min(max(1, round((end - start) / KNOTS)), SPANS)
+    spacing = max(KNOTS, (end - start) / SPANS)
     knots = np.concatenate([[start] * 3, np.linspace(start, end, count + 1), [end] * 3])
     basis = BSpline.design_matrix(np.clip(old, start, end), knots, 3).toarray()
     greville = (knots[1:-3] + knots[2:-2] + knots[3:-1]) / 3.0
@@ -77,14 +79,15 @@ def smooth_map(old: np.ndarray, new: np.ndarray, step: float) -> np.ndarray:
     steps = len(gaps)
     rising = basis @ np.tril(np.ones((steps + 1, steps)), -1)  # from differences of coefficients to times
     speed = np.diag(1.0 / gaps)
-    change = STIFF * KNOTS * np.diff(speed, axis=0)
+    change = STIFF * spacing * np.diff(speed, axis=0)
     ends = np.full((1, steps), 1e4)  # the last coefficient is where the second clip ends
     matrix = np.concatenate([rising, change, ends])
     wanted = np.concatenate([new - new[0], np.zeros(len(change)), [1e4 * (new[-1] - new[0])]])
-    found = lsq_linear(matrix / step, wanted / step, bounds=(LEAST * even * gaps, np.inf), tol=1e-12).x
+    low, high = min(1.0 / (slope + 1), 0.99 * even), max(slope + 1.0, 1.01 * even)
+    found = lsq_linear(matrix / step, wanted / step, bounds=(low * gaps, high * gaps), tol=1e-12).x
     found *= (new[-1] - new[0]) / found.sum()
     curve = BSpline(knots, new[0] + np.concatenate([[0.0], np.cumsum(found)]), 3)
-    times = np.linspace(start, end, 2 * count + 1)
+    times = np.linspace(start, end, PAIRS * count + 1)
     mapped = curve(times)
     mapped[[0, -1]] = new[[0, -1]]
     return np.stack([times, mapped], axis=1)

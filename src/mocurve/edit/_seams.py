@@ -5,8 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from ..errors import OptionError
-from ..info import unit_of
+from ..info import first_frame_is_t_pose, unit_of
+from ..kinematics import world
 from ..motion import Motion
+
+USUAL = 99.5  # percent of a clip's frames that are below what is counted as its fastest
 
 
 def centimetres(motion: Motion) -> float | None:
@@ -26,3 +29,10 @@ def bends(places: np.ndarray) -> np.ndarray:
 def steps(places: np.ndarray) -> np.ndarray:
     """How far (F - 1,) the joint goes that goes furthest, file units a frame."""
     return np.linalg.norm(np.diff(places, axis=0), axis=-1).max(axis=-1)
+
+
+def usual(*clips: Motion) -> tuple[float, float]:
+    """The largest usual step and bend of a joint in the calmest of the clips, file units, without T-poses in front."""
+    places = [world(clip[int(first_frame_is_t_pose(clip)) :]) for clip in clips]
+    found = [[float(np.percentile(of(p), USUAL)) if len(p) > 2 else 0.0 for p in places] for of in (steps, bends)]
+    return min(found[0]), min(found[1])

@@ -1,4 +1,4 @@
-"""The verb `blend`: between two clips (Sudarsky and House 1998, section 4.1; rotations as in Shoemake 1985)."""
+"""The verb `blend`: between two clips (Sudarsky and House 1998, blending; rotations as in Shoemake 1985)."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from ._time import length_of, stretched
 from ._turns import between, free_joints, part
 from ._weights import Rule, Weight, constant, parse, resolve, told
 
+LONGEST = 10  # times the longer clip: what weights beyond 1 may stretch a clip to
 MODES = ("rotations", "curves", "coefficients")
 
 
@@ -110,16 +111,22 @@ def _of_samples(a: Clip, b: Clip, rules: tuple[Rule, ...], share: float, mode: s
 
 def _on_common_frames(a: Clip, b: Clip, share: float) -> tuple[np.ndarray, tuple[Motion, Motion, np.ndarray]]:
     """Times (F,) as the first clip has them, and both clips at them, stretched onto one another."""
-    length = (1.0 - share) * a.duration + share * b.duration
-    if length < 0:
-        raise Mismatch(f"with weight {share:g} the clip would last {length:.6g} s; retime one of the clips first")
-    if abs(a.duration - b.duration) < 1e-9 * max(a.duration, b.duration):
-        length = a.duration
+    length = _length(a.duration, b.duration, share)
     at = np.arange(frame_count(length, a.frame_time)) * a.frame_time
     along = at / length if length > 0 else at
     first, second = (at_times(clip, along * clip.duration, a.frame_time) for clip in (a, b))
     second, had = onto(first, second)
     return along * a.duration, (first, second, had)
+
+
+def _length(a: float, b: float, share: float) -> float:
+    """Seconds between those of two clips."""
+    if abs(a - b) < 1e-9 * max(a, b):
+        return a
+    length = (1.0 - share) * a + share * b
+    if not 0 <= length <= LONGEST * max(a, b):
+        raise Mismatch(f"with weight {share:g} the clip would last {length:.6g} s; retime one of the clips first")
+    return length
 
 
 def _turned(base: Motion, first: Motion, second: Motion, by_channel: np.ndarray) -> np.ndarray:
@@ -134,7 +141,7 @@ def _turned(base: Motion, first: Motion, second: Motion, by_channel: np.ndarray)
 
 def _of_curves(a: Any, b: Any, rules: tuple[Rule, ...], share: float, mode: str, nearest: bool) -> Clip:
     """Two clips of keys, or two splines."""
-    length = (1.0 - share) * length_of(a) + share * length_of(b)
+    length = _length(length_of(a), length_of(b), share)
     if not length > 0:
         raise Mismatch(f"the blended clip would last {length:.6g} s: curves need a length")
     first, second = align(a, stretched(b, length_of(a), a.frame_time))

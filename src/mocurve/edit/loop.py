@@ -7,25 +7,28 @@ of a cycle is a planar rigid motion, so that a walk in a curve goes on along its
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from .. import planar, rotation
+from .. import planar
 from ..errors import OptionError, UnknownName
+from ..feet.planted import planted
 from ..info import first_frame_is_t_pose
 from ..kinematics import world
 from ..motion import Clip, Motion
-from ..skeleton import Skeleton
-from . import _cycles
-from ._pair import complete, tell_sampled
-from ._poses import Poses, mixed, motion_of, moved, poses_of, smooth, strung
+from ..spline import SplineMotion
+from . import _cycles, _periodic
+from ._closings import CLOSINGS, FADE, beside
+from ._pair import complete, recorded, tell_sampled
+from ._poses import Poses, motion_of, moved, poses_of
 from ._seams import bends, centimetres
 
-FADE = 0.4  # seconds around the seam
-MOST = 10_000  # cycles
+WAYS = (*CLOSINGS, "spline")
+MOST, NUMBERS = 10_000, 50_000_000  # cycles; frames times channels
+ROUGH = 1.1  # times the largest acceleration of the clip: a seam beyond shows
+FINER = 4  # samples a frame, of a spline that becomes a periodic one
 SAME_TIME = 1e-6  # seconds: times are given in decimal digits
 
 
@@ -40,6 +43,7 @@ class Loop:
     distance:     between the poses around start and end in the clip, root mean square over joints, after alignment.
     jump:         how far, where the cycles meet, some joint is from where it was going.
     acceleration: the same as a part of the clip's: of what 95 % of its frames stay below.
+    off:          by way of a spline, how far at most a joint is from the frames that the spline was fitted to.
     """
 
     start: float
@@ -51,14 +55,16 @@ class Loop:
     distance: float
     jump: float
     acceleration: float
+    off: float = 0.0
 
     def __str__(self) -> str:
+        off = f"\nthe spline is within {self.off:.2g} {self.unit} of the closed frames" if self.off else ""
         return (
             f"cycle: {self.start:.3f} to {self.end:.3f} s, {self.frames} frames\n"
             f"it travels {self.travel:.4g} {self.unit} and turns {self.turn:.3g} degrees\n"
             f"its ends in the clip are {self.distance:.3g} {self.unit} apart\n"
             f"seam: {self.jump:.3g} {self.unit} beyond where it was going, {self.acceleration:.2f} of the clip's "
-            "largest accelerations"
+            f"largest accelerations{off}"
         )
 
     def to_json(self) -> dict[str, Any]:
@@ -73,7 +79,7 @@ def loop(
     end: float | None = None,
     cycles: int = 1,
     close: str = "crossfade",
-) -> Motion:
+) -> Clip:
     """One cycle of a motion, closed and repeated.
 
     Parameters
@@ -87,7 +93,8 @@ def loop(
     close
         What is done about the difference between the two ends: crossfade (what surrounds one fades into what
         surrounds the other), cubic (it is spread over the cycle, so that places and speeds meet), linear (so that
-        places meet).
+        places meet), spline (periodic splines are fitted to a crossfade or, where nothing surrounds the cycle, to the
+        cubic: curves on few knots that close with their derivatives; a spline stays one).
 
     The result has cycles x frames of a cycle + 1 frames: the last pose is the first one, carried on. The last step of
     its `history` has the numbers of `Loop` under "measured". Errors: OptionError where no cycle is found or the times
@@ -98,28 +105,35 @@ def loop(
     """
     _check(start, end, cycles, close)
     motion = complete(clip.sample())
-    tell_sampled([clip], "a loop is made of frames")
+    if not (close == "spline" and isinstance(clip, SplineMotion)):
+        tell_sampled([clip], "a loop is made of frames (of a spline, close spline makes a spline)")
     dropped = int(first_frame_is_t_pose(motion))
     motion = motion[dropped:]
     places = world(motion)
     bend = bends(places)
     first, last = _ends(motion, places, *(_frame(time, motion, dropped) for time in (start, end)))
+    frames = cycles * (last - first) + 1
+    if frames * motion.values.shape[1] > NUMBERS:
+        raise OptionError(f"{cycles} cycles are {frames} frames: too many to hold, ask for fewer")
     step = _cycles.step(places, first, last, motion.frame_time)
-    closed = CLOSINGS[close](poses_of(motion), motion, first, last, step)
-    made = _repeated(closed, motion, first, step, cycles)
-    twice = made if cycles > 1 else _repeated(closed, motion, first, step, 2)
-    found = _measured(motion, places, bend, (first, last, dropped), step, world(twice))
+    if close == "spline":
+        made, twice, off = _of_splines(clip, motion, (first, last, dropped), step, cycles)
+    else:
+        closed = _closed(motion, first, last, step, close)
+        made, off = _repeated(closed, motion, first, step, cycles), 0.0
+        twice = _repeated(closed, motion, first, step, 2)
+    found = _measured(motion, places, bend, (first, last, dropped), step, world(twice), off)
     _tell_seam(found, bend)
     told = {"verb": "loop", "start": start, "end": end, "cycles": cycles, "close": close, "measured": found.to_json()}
-    return replace(made, history=(*clip.history, told), report=None)
+    return recorded(made, (*clip.history, told))
 
 
 # -- in call order ---------------------------------------------------------------------------------
 
 
 def _check(start: float | None, end: float | None, cycles: int, close: str) -> None:
-    if close not in CLOSINGS:
-        raise UnknownName("way to close a loop", close, CLOSINGS)
+    if close not in WAYS:
+        raise UnknownName("way to close a loop", close, WAYS)
     if not (isinstance(cycles, int) and 1 <= cycles <= MOST):
         raise OptionError(f"cycles is a whole number from 1 to {MOST}, not {cycles!r}")
     if start is None and end is not None:
@@ -146,90 +160,41 @@ def _ends(motion: Motion, places: np.ndarray, start: int | None, end: int | None
             raise OptionError("a cycle has at least two frames")
         return start, end
     room = min(round(0.5 * FADE / motion.frame_time), motion.frames // 8)
-    return _cycles.find(places, motion.frame_time, room, start)
+    resting = planted(motion)
+    return _cycles.find(places, motion.frame_time, room, resting[resting.any(axis=1)].T, start)
 
 
-def _crossfade(poses: Poses, motion: Motion, first: int, last: int, step: np.ndarray) -> Poses:
-    """What surrounds the end fades into what surrounds the start; where they meet it is half of each."""
-    count = min(round(0.5 * FADE / motion.frame_time), (last - first) // 2, first, len(poses) - 1 - last)
-    if count < 2:
-        raise OptionError("to crossfade, the clip must begin before the cycle and go on after it; close it by cubic")
-    ahead, behind = np.arange(count), np.arange(-count + 1, 0)
-    weights = smooth(0.5 + 0.5 * np.arange(-count + 1, count) / count)
-    over = moved(poses[last + ahead], motion.skeleton, planar.inverse(step))
-    lead = moved(poses[first + behind], motion.skeleton, step)
-    return strung(
-        mixed(over, poses[first + ahead], weights[count - 1 :]),
-        poses[first + count : last - count + 1],
-        mixed(poses[last + behind], lead, weights[: count - 1]),
-    )
+def _closed(motion: Motion, first: int, last: int, step: np.ndarray, close: str) -> Poses:
+    """The poses of the cycle's frames, looking no further than the closing does."""
+    start = max(first - round(FADE / motion.frame_time), 0)
+    near = motion[start : last + round(FADE / motion.frame_time)]
+    return CLOSINGS[close](poses_of(near), near, first - start, last - start, step)
 
 
-def _linear(poses: Poses, motion: Motion, first: int, last: int, step: np.ndarray) -> Poses:
-    """The gap between the two ends is taken away bit by bit, half of it from each side: places meet."""
-    u = _parts(first, last)
-    shift, turn = _gap(poses, motion.skeleton, first, last, step)
-    return _displaced(poses[first:last], motion.skeleton, step, (0.5 - u) * shift, (0.5 - u) * turn)
+def _of_splines(
+    clip: Clip, motion: Motion, cut: tuple[int, int, int], step: np.ndarray, cycles: int
+) -> tuple[Clip, Motion, float]:
+    """The cycles, two of them as samples, and how far the splines are from the closed frames."""
+    first, last, dropped = cut
+    count = last - first
+    if not isinstance(clip, SplineMotion):
+        closed = _closed(motion, first, last, step, _way(motion, first, last))
+        frames, off = _periodic.as_frames(closed, motion[first:last], step)
+        return _repeated(frames, motion, first, step, cycles), _repeated(frames, motion, first, step, 2), off
+    fine = clip.sample(clip.frame_time / FINER)[dropped * FINER :]
+    start = (first + dropped) * clip.frame_time
+    own = clip.knots[(clip.knots > start) & (clip.knots < start + count * clip.frame_time)] - start
+    breaks = np.concatenate([[0.0], np.unique(own), [count * clip.frame_time]])
+    first, last = FINER * first, FINER * last
+    closed = _closed(fine, first, last, step, _way(fine, first, last))
+    spline, off = _periodic.as_spline(closed, fine[first:last], step, breaks, clip.degree)
+    made, twice = (spline(n, clip.frame_time, n * count + 1) for n in (cycles, 2))
+    return made, twice.sample(), off
 
 
-def _cubic(poses: Poses, motion: Motion, first: int, last: int, step: np.ndarray) -> Poses:
-    """The same along a cubic that also takes away half the difference of speeds at either end: speeds meet too."""
-    u = _parts(first, last)
-    place, speed = 0.5 - u * u * (3.0 - 2.0 * u), 0.5 * u * (1.0 - u) * (last - first)
-    gap = _gap(poses, motion.skeleton, first, last, step)
-    faster = _faster(poses, motion.skeleton, first, last, step)
-    shift, turn = (place * at + speed * by for at, by in zip(gap, faster, strict=True))
-    return _displaced(poses[first:last], motion.skeleton, step, shift, turn)
-
-
-def _parts(first: int, last: int) -> np.ndarray:
-    """How much of the cycle is over at each frame (F, 1, 1)."""
-    return (np.arange(last - first) / (last - first))[:, None, None]
-
-
-def _gap(poses: Poses, skeleton: Skeleton, first: int, last: int, step: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """What the pose at `last` has more than the one at `first`, carried on: shifts (J, 3), those of roots as seen half
-    a cycle earlier, and rotation vectors (J, 3) in the joint's own frame."""
-    carried, there = moved(poses[first : first + 1], skeleton, step), poses[last : last + 1]
-    turn = rotation.log(rotation.mul(rotation.inv(carried.turns), there.turns))[0]
-    return _headed((there.shifts - carried.shifts)[0], skeleton, -0.5 * step[0]), turn
-
-
-def _faster(poses: Poses, skeleton: Skeleton, first: int, last: int, step: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """How much more the joints move at `last` than at `first`, a frame, in the same terms."""
-    (shift, turn), (before, turn_before) = (_speed(poses, frame) for frame in (last, first))
-    half = 0.5 * step[0]
-    return _headed(shift, skeleton, -half) - _headed(before, skeleton, half), turn - turn_before
-
-
-def _speed(poses: Poses, frame: int) -> tuple[np.ndarray, np.ndarray]:
-    """Shifts and rotation vectors (J, 3) a frame, from the frames on both sides as far as there are any."""
-    start, end = max(frame - 1, 0), min(frame + 1, len(poses) - 1)
-    turn = rotation.log(rotation.mul(rotation.inv(poses.turns[start]), poses.turns[end]))
-    return (poses.shifts[end] - poses.shifts[start]) / (end - start), turn / (end - start)
-
-
-def _headed(shift: np.ndarray, skeleton: Skeleton, angle: np.ndarray | float) -> np.ndarray:
-    """Shifts (..., J, 3), those of roots turned by angles (...)."""
-    angle = np.asarray(angle)
-    roots = skeleton.parents < 0
-    turned = shift.copy()
-    turning = np.stack([angle, 0.0 * angle, 0.0 * angle], axis=-1)[..., None, :]
-    turned[..., roots, :] = planar.move(turning, shift[..., roots, :])
-    return turned
-
-
-def _displaced(body: Poses, skeleton: Skeleton, step: np.ndarray, shift: np.ndarray, turn: np.ndarray) -> Poses:
-    """The cycle with displacements (F, J, 3) as `_gap` has them; those of roots turn with the cycle."""
-    heading = step[0] * (np.arange(len(body)) / len(body) - 0.5)
-    return Poses(body.shifts + _headed(shift, skeleton, heading), rotation.mul(body.turns, rotation.exp(turn)))
-
-
-CLOSINGS: dict[str, Callable[[Poses, Motion, int, int, np.ndarray], Poses]] = {
-    "crossfade": _crossfade,
-    "cubic": _cubic,
-    "linear": _linear,
-}
+def _way(motion: Motion, first: int, last: int) -> str:
+    """A crossfade where the clip goes on on both sides of the cycle, else the cubic."""
+    return "crossfade" if beside(first, last, motion.frames, motion.frame_time) >= 2 else "cubic"
 
 
 def _repeated(closed: Poses, motion: Motion, first: int, step: np.ndarray, cycles: int) -> Motion:
@@ -241,7 +206,13 @@ def _repeated(closed: Poses, motion: Motion, first: int, step: np.ndarray, cycle
 
 
 def _measured(
-    motion: Motion, places: np.ndarray, bend: np.ndarray, cut: tuple[int, int, int], step: np.ndarray, made: np.ndarray
+    motion: Motion,
+    places: np.ndarray,
+    bend: np.ndarray,
+    cut: tuple[int, int, int],
+    step: np.ndarray,
+    made: np.ndarray,
+    off: float,
 ) -> Loop:
     """The numbers of a cut (first, last, frames dropped before) and of the places of at least two cycles made of it."""
     first, last, dropped = cut
@@ -259,13 +230,14 @@ def _measured(
         distance=scale * _cycles.apart(places, first, last, motion.frame_time),
         jump=scale * jump,
         acceleration=jump / usual if usual > 0 else 0.0,
+        off=scale * off,
     )
 
 
 def _tell_seam(found: Loop, bend: np.ndarray) -> None:
     """A warning where the seam is rougher than anything in the clip."""
     usual = float(np.percentile(bend, 95))
-    if found.acceleration * usual > 1.05 * bend.max():
+    if found.acceleration * usual > ROUGH * bend.max():
         warnings.warn(
             f"the seam shows, its acceleration is {found.acceleration:.2g} times the usual largest: the ends of the "
             f"cycle are {found.distance:.3g} {found.unit} apart",

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
-from .. import kinematics, rotation
 from ..errors import Mismatch, OptionError
-from ..motion import Clip, Motion, frame_count, unroll
-from ._pair import at_times, check, check_mode, onto, recorded, same_curves, tell_sampled, whole_turns
-from ._turns import between, free_joints, mean
+from ..motion import Clip, Motion, frame_count
+from ._means import mean_of_channels, mean_of_rotations
+from ._pair import at_times, check, check_mode, onto, recorded, same_curves, tell_sampled
 from ._weights import parse
 from .blend import between_clips
 
@@ -87,24 +85,5 @@ def _of_samples(clips: Sequence[Clip], shares: np.ndarray, mode: str) -> Motion:
     along = times / length if length > 0 else times
     first = at_times(clips[0], along * clips[0].duration, step)
     others = [onto(first, at_times(clip, along * clip.duration, step))[0] for clip in clips[1:]]
-    motions = [first, *others]
-    heaviest = int(np.argmax(shares))
-    smooth = [unroll(motion).values for motion in motions]
-    turning = first.skeleton.rotation_channels
-    apart = [np.where(turning, whole_turns(values - smooth[heaviest]), 0.0) for values in smooth]
-    values = sum(share * (value - turns) for share, value, turns in zip(shares, smooth, apart, strict=True))
-    if shares[heaviest] == 1:
-        return replace(first, values=motions[heaviest].values)
-    made = replace(first, values=values)
-    return _turned(made, motions, shares, heaviest) if mode == "rotations" else made
-
-
-def _turned(made: Motion, motions: Sequence[Motion], shares: np.ndarray, heaviest: int) -> Motion:
-    """The joints that can express any rotation turned to the mean of all, seen from the heaviest."""
-    turned = kinematics.rotations(made)
-    each = [kinematics.rotations(motion) for motion in motions]
-    base = each[heaviest]
-    for joint, _, _ in free_joints(made.skeleton):
-        turns = np.stack([between(base[:, joint], other[:, joint]) for other in each])
-        turned[:, joint] = rotation.mul(mean(turns, shares), base[:, joint])
-    return kinematics.with_rotations(made, turned)
+    mean = mean_of_rotations if mode == "rotations" else mean_of_channels
+    return mean([first, *others], shares)

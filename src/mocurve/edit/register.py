@@ -12,6 +12,7 @@ import numpy as np
 
 from .. import planar
 from ..errors import OptionError
+from ..info import first_frame_is_t_pose
 from ..kinematics import world
 from ..motion import Clip, Motion
 from . import _dtw
@@ -21,6 +22,7 @@ from .retime import retime
 
 MOST = 1500  # frames that are matched; of longer clips only every second, third ... one
 WINDOW = 0.05  # seconds of motion that are compared as one pose
+SAME = 1e-6  # of the largest distance: less is rounding
 
 AnyClip = TypeVar("AnyClip", bound=Clip)
 
@@ -34,6 +36,7 @@ class Registration:
     unit:             of the distances: "cm", or "units" of the file where nobody knows how long these are.
     distance:         of the poses that are matched, mean over the cheapest way.
     even_distance:    the same where the clip is only stretched evenly to the other's length.
+    usual_distance:   the same of any two moments.
     cost:             of the way, in the file's units: the sum of its distances.
     """
 
@@ -43,6 +46,7 @@ class Registration:
     unit: str
     distance: float
     even_distance: float
+    usual_distance: float
     cost: float
 
     def __str__(self) -> str:
@@ -82,7 +86,15 @@ def register(
     if band is not None and not band > 0:
         raise OptionError(f"band is a positive number of seconds, not {band!r}")
     check(clip.skeleton, reference.skeleton, match)
-    own, other = complete(clip.sample()), complete(reference.sample())
+    found = matched(complete(clip.sample()), complete(reference.sample()), slope, band)
+    made = retime(clip, [(before, after) for before, after in found.pairs])
+    told = {"verb": "register", "slope": slope, "band": band, "match": match, "with": list(reference.history)}
+    step = {**told, "measured": found.to_json()}
+    return replace(made, history=(*clip.history, step))  # type: ignore[return-value, type-var]
+
+
+def matched(own: Motion, other: Motion, slope: int = 3, band: float | None = None) -> Registration:
+    """How the one has to be retimed to run with the other; a straight line where nothing is gained by bending it."""
     if min(own.frames, other.frames) < 2:
         raise OptionError("clips of fewer than two frames have no time to match")
     old, new, distances = _compared(own, other)
@@ -93,27 +105,29 @@ def register(
         raise OptionError(
             f"clips of {own.duration:.4g} and {other.duration:.4g} s do not match with a slope of {slope}{near}"
         )
-    pairs = _dtw.smooth_map(old[way[:, 0]], new[way[:, 1]], max(step, new[1] - new[0]))
+    even = np.rint(np.linspace(0, len(new) - 1, len(old))).astype(np.int64)
+    distance, even_distance = cost / len(way), float(distances[np.arange(len(old)), even].mean())
+    if even_distance <= distance + SAME * float(distances.max()):
+        pairs = np.array([[old[0], new[0]], [old[-1], new[-1]]])
+    else:
+        pairs = _dtw.smooth_map(old[way[:, 0]], new[way[:, 1]], max(step, new[1] - new[0]), slope)
     rates = np.diff(pairs[:, 1]) / np.diff(pairs[:, 0])
     length = centimetres(other)
-    even = np.rint(np.linspace(0, len(new) - 1, len(old))).astype(np.int64)
-    found = Registration(
+    return Registration(
         pairs=pairs.tolist(),
         slowest=float(rates.max()),
         fastest=float(rates.min()),
         unit="cm" if length else "units",
-        distance=(length or 1.0) * cost / len(way),
-        even_distance=(length or 1.0) * float(distances[np.arange(len(old)), even].mean()),
+        distance=(length or 1.0) * distance,
+        even_distance=(length or 1.0) * even_distance,
+        usual_distance=(length or 1.0) * float(distances.mean()),
         cost=cost,
     )
-    made = retime(clip, [(before, after) for before, after in found.pairs])
-    told = {"verb": "register", "slope": slope, "band": band, "match": match, "measured": found.to_json()}
-    return replace(made, history=(*clip.history, told))  # type: ignore[return-value, type-var]
 
 
 def _compared(own: Motion, other: Motion) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Times (N,) and (M,) in both clips, from the first frame to the last, and the distances (N, M) of the motion
-    around them."""
+    around them; a T-pose in front is none."""
     names = set(own.skeleton.names) & set(other.skeleton.names)
     stride = max(1, int(np.ceil(max(own.duration, other.duration) / min(own.frame_time, other.frame_time) / MOST)))
     step = stride * min(own.frame_time, other.frame_time)
@@ -123,7 +137,10 @@ def _compared(own: Motion, other: Motion) -> tuple[np.ndarray, np.ndarray, np.nd
         joints = sorted((clip.skeleton.names.index(name) for name in names), key=clip.skeleton.names.__getitem__)
         count = max(2, round(clip.duration / step) + 1)
         at = np.linspace(0.0, clip.duration, count)
-        places = _between(world(clip)[:, joints], at / clip.frame_time)
+        own_places = world(clip)[:, joints]
+        if first_frame_is_t_pose(clip):
+            own_places[0] = own_places[1]
+        places = _between(own_places, at / clip.frame_time)
         times.append(at)
         padded.append(np.pad(places, ((half, half), (0, 0), (0, 0)), "reflect", reflect_type="odd"))
     return times[0], times[1], planar.frame_distances(padded[0], padded[1], 2 * half + 1)

@@ -1,4 +1,4 @@
-"""The verb `retime`: slower here, faster there (Sudarsky and House 1998, section 4.3; Witkin and Popović 1995)."""
+"""The verb `retime`: slower here, faster there (Sudarsky and House 1998, time constraints; Witkin and Popović 1995)."""
 
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ from ._time import Pairs, TimeMap, length_of, pairs_of
 
 MODES = ("refit", "knots")
 NEAR = 0.01  # of a frame: so near to the start or the end of the clip, it is meant
+MOST = 10_000_000  # frames
 SLOW, FAST = 2.0, 0.5  # new seconds per old one beyond which motion no longer looks like itself
 
 
@@ -81,6 +82,8 @@ def time_map(clip: Clip, map: Pairs) -> TimeMap:
             raise OptionError(
                 f"time cannot stand or run backwards: {old:g} s goes to {new:g} s, {next_old:g} s to {next_new:g} s"
             )
+    if not given[-1][1] / clip.frame_time < MOST:
+        raise OptionError(f"the clip would last {given[-1][1]:.6g} s, {given[-1][1] / clip.frame_time:.3g} frames")
     times = np.array(given)
     return TimeMap(times[:, 0], times[:, 1], speeds(times[:, 0], times[:, 1]))
 

@@ -1,5 +1,5 @@
 """The verb `warp`: curves bent so that they go through given values (Witkin and Popović 1995; Bruderlin and Williams
-1995, displacement maps; Sudarsky and House 1998, section 4.2, on the coefficients)."""
+1995, displacement maps; Sudarsky and House 1998, motion warping, on the coefficients)."""
 
 from __future__ import annotations
 
@@ -105,10 +105,9 @@ def warp(
         else:
             made = _posed(motion, times, pose, only, support, overshoot)
     if pose is None:
-        names = clip.skeleton.channel_names
-        step["constraints"] = [[names[c.channel], c.time, c.value] for c in constraints]
+        step["values"] = _told(clip.skeleton, times, constraints)
     else:
-        step |= {"only": only if isinstance(only, str) else list(only), "pose": list(pose.history)}
+        step |= {"only": only if isinstance(only, str) else list(only), "with": list(pose.history)}
     return recorded(made, (*clip.history, step))
 
 
@@ -172,6 +171,12 @@ def _constraints(skeleton: Skeleton, times: np.ndarray, values: object) -> list[
     return found
 
 
+def _told(skeleton: Skeleton, times: np.ndarray, constraints: Sequence[Constraint]) -> dict[str, list[float | None]]:
+    """The constraints as `warp` takes them: for each channel a value at each time, or None."""
+    found = {(skeleton.channel_names[c.channel], c.time): c.value for c in constraints}
+    return {name: [found.get((name, time)) for time in times.tolist()] for name in dict.fromkeys(n for n, _ in found)}
+
+
 def _by_channel(constraints: Sequence[Constraint]) -> dict[int, tuple[np.ndarray, np.ndarray]]:
     """{channel: times and values (K,), in the order of time}"""
     found: dict[int, list[tuple[float, float]]] = {}
@@ -223,22 +228,28 @@ def _of_curves(
     start, end = clip.domain if isinstance(clip, SplineMotion) else (0.0, clip.duration)
     if not end > start:
         raise Mismatch("a clip of one frame has no curves to bend")
-    flat = np.array([start, end])
-    curves = [HermiteCurve(flat, np.zeros(2), np.zeros(2))] * clip.skeleton.channel_count
-    touched = _by_channel(constraints)
-    for channel, (when, wanted) in touched.items():
+    curves = {}
+    for channel, (when, wanted) in _by_channel(constraints).items():
         now = clip.at(when)[:, channel] if isinstance(clip, SplineMotion) else clip.curves[channel].at(when)
-        curves[channel] = _within(bump(when, (wanted - now)[:, None], support, overshoot), start, end)
-    added = KeyedMotion(clip.skeleton, tuple(curves), clip.frame_time, clip.frames)
+        curves[channel] = within(bump(when, (wanted - now)[:, None], support, overshoot), start, end)
+    return added(clip, curves)
+
+
+def added(clip: KeyedMotion | SplineMotion, curves: Mapping[int, HermiteCurve]) -> KeyedMotion | SplineMotion:
+    """The clip with displacements of channels (by index), keys from its start to its end, added; exact."""
+    start, end = clip.domain if isinstance(clip, SplineMotion) else (0.0, clip.duration)
+    nothing = HermiteCurve(np.array([start, end]), np.zeros(2), np.zeros(2))
+    every = tuple(curves.get(channel, nothing) for channel in range(clip.skeleton.channel_count))
+    by = KeyedMotion(clip.skeleton, every, clip.frame_time, clip.frames)
     if isinstance(clip, SplineMotion):
-        base, more = align(clip, of_keys(added))
+        base, more = align(clip, of_keys(by))
         return replace(base, values=base.values + more.values)
     return replace(
-        clip, curves=tuple(_summed(clip, added, c) if c in touched else own for c, own in enumerate(clip.curves))
+        clip, curves=tuple(_summed(clip, by, c) if c in curves else own for c, own in enumerate(clip.curves))
     )
 
 
-def _within(bump: Bump, start: float, end: float) -> HermiteCurve:
+def within(bump: Bump, start: float, end: float) -> HermiteCurve:
     """The displacement cut to a span (seconds), with keys at both its ends."""
     inside = (bump.times > start) & (bump.times < end)
     values, slopes = bump.values[:, 0], bump.slopes[:, 0]

@@ -59,14 +59,20 @@ def read(
     animation
         Which animation of a file that holds several, by name; by default the first.
 
-    OptionError for an extension, a unit or an option that the format does not know, FileError for a file that cannot be
-    read.
+    The `history` is the one that the file carries; where it has none, it begins with what was read. OptionError for an
+    extension, a unit or an option that the format does not know, FileError for a file that cannot be read.
 
     >>> walk = mc.read("walk.bvh", unit="inch")
     """
     form, extension = _format(path)
     clip = form.read(path, **_taken(form.read, extension, skeleton=skeleton, animation=animation))
-    return clip if unit is None else replace(clip, skeleton=replace(clip.skeleton, unit=metres(unit)))
+    if unit is not None:
+        clip = replace(clip, skeleton=replace(clip.skeleton, unit=metres(unit)))
+    if clip.history:
+        return clip
+    told = {"file": fsdecode(path), "unit": unit, "skeleton": skeleton and fsdecode(skeleton), "animation": animation}
+    step = {"verb": "read", **{name: value for name, value in told.items() if value is not None}}
+    return replace(clip, history=(step,))
 
 
 def write(

@@ -32,7 +32,8 @@ Row = tuple[int, list[str]]  # line of the file, its words
 
 class Bone(NamedTuple):
     """line: where it begins in the file; way: (3,) of length 1, where it points, 0 for the root; axis: (4,) wxyz, what
-    turns the axes of the body to its own; dof: "rx" ... "tz", "l", in the order of the numbers in AMC."""
+    turns the axes of the body to its own; dof: "rx" ... "tz", "l", in the order of the numbers in AMC; limits: the
+    least and the largest of each, degrees or length units, empty where the file says none."""
 
     name: str
     line: int
@@ -40,6 +41,7 @@ class Bone(NamedTuple):
     length: float
     axis: np.ndarray
     dof: tuple[str, ...]
+    limits: tuple[tuple[float, float], ...] = ()
 
     @property
     def end(self) -> np.ndarray:
@@ -191,7 +193,8 @@ class _Reader:
         start, name = block[0][0], ""
         values: dict[str, np.ndarray] = {}
         dof: tuple[str, ...] = ()
-        order, limits, bounded = "xyz", 0, False
+        order, bounded = "xyz", False
+        limits: list[float] = []
         for self.line, words in block[1:]:
             key, given = words[0].lower(), words[1:]
             if key == "limits" or (bounded and self._is_limit(words[0])):
@@ -212,13 +215,31 @@ class _Reader:
         self.line = start
         if not name or "direction" not in values or "length" not in values:
             self.fail(f"name, direction and length expected in the bone {name!r}")
-        if limits not in (0, 2 * len(dof)):
-            self.fail(f"two limits for each of {len(dof)} dof expected in the bone {name!r}, {limits} numbers found")
+        if len(limits) not in (0, 2 * len(dof)):
+            self.fail(
+                f"two limits for each of {len(dof)} dof expected in the bone {name!r}, {len(limits)} numbers found"
+            )
         length, far = float(values["length"][0]), float(np.linalg.norm(values["direction"]))
         if length < 0 or (length > 0 and far == 0):
             self.fail("a length of at least 0 and a direction that is not zero expected")
         way = values["direction"] / (far or 1.0)
-        return Bone(name, start, way, length, self._turn(values.get("axis", np.zeros(3)), order), dof)
+        axis = self._turn(values.get("axis", np.zeros(3)), order)
+        return Bone(name, start, way, length, axis, dof, self._ranges(name, dof, limits))
+
+    def _ranges(self, name: str, dof: tuple[str, ...], limits: list[float]) -> tuple[tuple[float, float], ...]:
+        pairs = list(zip(limits[::2], limits[1::2], strict=True))
+        if any(low > high for low, high in pairs):
+            warnings.warn(
+                f"{os.fspath(self.path)}:{self.line}: the limits of bone {name!r} are left aside: a lower one is "
+                "above the higher",
+                stacklevel=7,
+            )
+            return ()
+        turns = [kind in TURNS and not self.degrees for kind in dof]
+        return tuple(
+            (float(np.degrees(low)), float(np.degrees(high))) if turn else (low, high)
+            for (low, high), turn in zip(pairs, turns, strict=False)
+        )
 
     def _children(self, rows: list[Row], bones: dict[str, Bone]) -> dict[str, list[str]]:
         children: dict[str, list[str]] = {name: [] for name in bones}
@@ -300,12 +321,12 @@ class _Reader:
     def _is_limit(self, word: str) -> bool:
         return word.lower() in _ENDLESS or np.isfinite(number(word))
 
-    def _limits(self, words: list[str]) -> int:
-        """How many numbers there are; infinite ones are allowed. What they say is not used."""
+    def _limits(self, words: list[str]) -> list[float]:
+        """The numbers; infinite ones are allowed."""
         for word in words:
             if not self._is_limit(word):
                 self.fail(f"a number or inf expected in limits, {found(word)}")
-        return len(words)
+        return [float(word) if word.lower() in _ENDLESS else number(word) for word in words]
 
     def _turn(self, angles: np.ndarray, order: str) -> np.ndarray:
         """Quaternion (4,) of angles about x, y and z, as the file counts them, turned in the order of the axes."""

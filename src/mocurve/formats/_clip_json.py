@@ -8,13 +8,12 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from ..errors import FileError, MocurveError, OptionError
+from ..errors import FileError, Mismatch, MocurveError, OptionError
 from ..keyed import KeyedMotion
-from ..skeleton import Skeleton
+from ..motion import MAX_FRAMES
+from ..skeleton import JointLimits, Skeleton
 from ..spline import SplineMotion
 from ._files import Path
-
-MAX_FRAMES = 100_000_000  # eleven days at 100 frames a second; sampling allocates by it
 
 
 def document(kind: str, version: int, clip: KeyedMotion | SplineMotion, parts: dict[str, str]) -> str:
@@ -34,9 +33,31 @@ def document(kind: str, version: int, clip: KeyedMotion | SplineMotion, parts: d
             body.names, body.parents, body.offsets.tolist(), body.channels, body.end_sites, strict=True
         )
     ]
+    for own in body.limits:
+        joints[own.joint]["limits"] = limits_row(own)
     written = {key: dumped(value) for key, value in head.items()} | {"joints": rows(joints)} | parts
     written |= {key: dumped(value) for key, value in tail.items()}
     return "{\n" + ",\n".join(f'"{key}": {text}' for key, text in written.items()) + "\n}\n"
+
+
+def limits_row(limits: JointLimits) -> dict[str, Any]:
+    """How far a joint may turn, null where there is no limit."""
+    ends = {name: [x if math.isfinite(x) else None for x in getattr(limits, name).tolist()] for name in ("low", "high")}
+    return {"axes": limits.axes.tolist(), "order": limits.order, **ends}
+
+
+def limits_of(joint: int, row: Any) -> JointLimits:
+    """The same from what such a row says; MocurveError where it is none."""
+    try:
+        ends = {"low": -np.inf, "high": np.inf}
+        low, high = ([end if x is None else float(x) for x in row[name]] for name, end in ends.items())
+        return JointLimits(
+            joint, np.array([float(x) for x in row["axes"]]), str(row["order"]), np.array(low), np.array(high)
+        )
+    except MocurveError:
+        raise
+    except (TypeError, KeyError, ValueError, OverflowError) as error:
+        raise Mismatch(f"no limits of a joint: {type(error).__name__}: {error}") from error
 
 
 def rows(objects: list[dict[str, Any]]) -> str:
@@ -121,9 +142,18 @@ class Reader:
                 tuple(tuple(joint["channels"]) for joint in joints),
                 [joint.get("end_site", False) for joint in joints],  # type: ignore[arg-type]
                 None if unit is None else self.number(unit, "unit"),
+                tuple(
+                    self.limits(i, joint["limits"]) for i, joint in enumerate(joints) if joint.get("limits") is not None
+                ),
             )
         except MocurveError as error:
             raise FileError(f"joints: {error}", self.path) from error
+
+    def limits(self, joint: int, row: Any) -> JointLimits:
+        try:
+            return limits_of(joint, row)
+        except MocurveError as error:
+            raise FileError(f"joints[{joint}].limits: {error}", self.path) from error
 
     def report(self, data: Any) -> Any:
         if data is None:

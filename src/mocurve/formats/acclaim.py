@@ -16,7 +16,7 @@ import numpy as np
 from .. import rotation
 from ..errors import FileError, OptionError
 from ..motion import Clip, Motion
-from ..skeleton import AXES, Skeleton
+from ..skeleton import AXES, JointLimits, Skeleton
 from . import _amc, _asf
 from ._bvh_header import end_site_name
 from ._files import Path, opened
@@ -123,6 +123,7 @@ class _Joint(NamedTuple):
     turns: list[_Dof]
     base: np.ndarray = rotation.exp(np.zeros(3))
     end_site: bool = False
+    bone: _asf.Bone | None = None
 
     @property
     def moved(self) -> list[int]:
@@ -161,7 +162,7 @@ def _joints(body: _asf.Body) -> list[_Joint]:
         if above is None:
             joints.append(_Joint(bone.name, -1, body.place, moves, turns, bone.axis))
             continue
-        joints.append(_Joint(bone.name, places[parent], above.end, _stretch(above) + moves, turns))
+        joints.append(_Joint(bone.name, places[parent], above.end, _stretch(above) + moves, turns, bone=bone))
         if index not in inner:
             shifts = _stretch(bone)  # an end that moves is a joint: end sites have no channels
             end = _Joint(end_site_name(bone.name, 1), places[index], bone.end, shifts, [], end_site=not shifts)
@@ -189,7 +190,19 @@ def _skeleton(joints: list[_Joint], unit: float | None) -> Skeleton:
         tuple(joint.channels for joint in joints),
         np.array([joint.end_site for joint in joints]),
         unit,
+        tuple(limits for place, joint in enumerate(joints) if (limits := _limits(place, joint)) is not None),
     )
+
+
+def _limits(place: int, joint: _Joint) -> JointLimits | None:
+    """How far the joint may turn about the axes of its bone; of a bone that shifts or stretches, only its turns."""
+    bone = joint.bone
+    if bone is None or not bone.limits or not joint.turns:
+        return None
+    turns = [(kind, *ends) for kind, ends in zip(bone.dof, bone.limits, strict=True) if kind in _asf.TURNS]
+    axes, low, high = zip(*turns[::-1], strict=True)
+    order = "".join(kind[1] for kind in axes).upper()
+    return JointLimits(place, bone.axis, order, np.array(low), np.array(high))
 
 
 def _columns(joint: _Joint, frames: _amc.Frames, degrees: bool) -> list[np.ndarray]:

@@ -55,6 +55,28 @@ def read(path: Path, *, skeleton: Path | None = None) -> Motion:
     return Motion(body, values[:, np.array(list(channels), np.int64)[order]], frame_time)
 
 
+def signals(path: Path) -> tuple[dict[str, np.ndarray], str | None]:
+    """Any table of numbers, column by column, and which of them is the time (None: none is called so).
+
+    Without a first line of names the columns are called 1, 2 ... The times need not be even. FileError with line and
+    column for what is no number.
+    """
+    with opened(path) as file:
+        text = _text(file.read(), path)
+    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    head, taken, separator = _head(lines, path)
+    if not head:
+        raise FileError("the table is empty", path)
+    if all(_is_number(name) for name in head):
+        head, taken = [str(column + 1) for column in range(len(head))], 0
+    if len(set(head)) < len(head):
+        twice = next(name for column, name in enumerate(head) if name in head[:column])
+        raise FileError(f"two columns are called {twice[:60]!r}", path, 1)
+    values = Rows(lines[taken:], taken + 1, separator, head, path).values()
+    times = [name for name in head if _TIME.fullmatch(name)]
+    return dict(zip(head, values.T, strict=True)), times[0] if times else None
+
+
 def write(path: Path, clip: Clip, lossless: bool = False) -> None:
     """Write the samples of a clip: degrees and file length units, to six decimals or `lossless` to all digits.
 
@@ -91,6 +113,13 @@ def _head(lines: list[str], path: Path) -> tuple[list[str], int, str]:
     except csv.Error as error:
         raise FileError(f"no head of a table: {error}", path, 1) from error
     return head, reader.line_num, separator
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        return bool(np.isfinite(float(cell)))
+    except ValueError:
+        return False
 
 
 def _columns(head: Sequence[str], path: Path) -> tuple[int, dict[int, tuple[str, str]]]:

@@ -16,6 +16,7 @@ import numpy as np
 from ..errors import FileError, Mismatch, MocurveError, OptionError
 from ..motion import Clip, Motion
 from ..skeleton import Skeleton
+from ._clip_json import limits_of, limits_row
 from ._files import Path, opened, replacing
 
 if TYPE_CHECKING:
@@ -41,6 +42,7 @@ _KINDS = {  # member: allowed NumPy kinds, dimensions
     "end_sites": ("b", 1),
     "history": ("U", 0),
 }
+_LIMITS = {"limits": ("U", 0)}  # only of a body that has any
 _BOMB, _RATIO = 1 << 28, 100  # more bytes than this from a hundredth of them in the file is no motion
 _MAX_HEADER = 10_000
 
@@ -56,7 +58,10 @@ def read(path: Path, *, skeleton: Path | None = None) -> Motion:
     with opened(path) as file, _refusing(path), zipfile.ZipFile(file) as archive:
         _check_sizes(archive, os.fstat(file.fileno()).st_size, path)
         posed = "poses.npy" in archive.namelist()
-        data = {name: _member(archive, name, kind, path) for name, kind in (_POSES if posed else _KINDS).items()}
+        kinds = _POSES if posed else _KINDS
+        if not posed and "limits.npy" in archive.namelist():
+            kinds = kinds | _LIMITS
+        data = {name: _member(archive, name, kind, path) for name, kind in kinds.items()}
         given = [name for name in _RATES if f"{name}.npy" in archive.namelist()] if posed else []
         rate = float(_member(archive, given[0], ("iuf", 0), path)) if given else None
         own = None if posed else _motion(data, path)
@@ -120,6 +125,11 @@ def _own(motion: Motion, path: Path) -> dict[str, np.ndarray]:
         "offsets": body.offsets,
         "end_sites": body.end_sites,
         "history": np.array(json.dumps(list(motion.history))),
+        **(
+            {"limits": np.array(json.dumps([{"joint": own.joint, **limits_row(own)} for own in body.limits]))}
+            if body.limits
+            else {}
+        ),
     }
 
 
@@ -180,6 +190,7 @@ def _motion(data: dict[str, np.ndarray], path: Path) -> Motion:
         tuple(tuple(kinds.split()) for kinds in data["joint_channels"].tolist()),
         data["end_sites"],
         None if np.isnan(unit) else unit,
+        tuple(limits_of(row["joint"], row) for row in json.loads(str(data["limits"]))) if "limits" in data else (),
     )
     values = np.asfortranarray(data["values"], np.float64)
     motion = Motion(body, values, float(data["frame_time"]), tuple(history))

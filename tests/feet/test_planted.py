@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mocurve import Motion, Skeleton, read
-from mocurve.contacts import SPEED, WINDOW, planted
+from mocurve.feet.planted import SPEED, WINDOW, planted
 from mocurve.kinematics import rest_height, world
 
 STEP = 0.01

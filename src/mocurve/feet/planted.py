@@ -1,15 +1,13 @@
-"""Where feet are planted."""
+"""Where feet rest, be it on the floor or not: a mask for those who treat slow feet with more care."""
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 
-from .kinematics import rest_height, world
-from .motion import Motion
+from ..kinematics import rest_height, world
+from ..motion import Motion
+from .legs import FOOT
 
-FOOT = re.compile(r"foot|toe|ankle|heel|ball(?!oon)", re.IGNORECASE)
 SPEED = 0.25  # rest heights a second: 0.4 m/s on a person; slower is planted
 WINDOW = 5  # frames: a foot is planted where it is slow all around
 

@@ -1,0 +1,238 @@
+"""Captured walks and runs laid on other paths with their feet locked: how still the feet stand, how calm knees, ankles
+and pelvis stay, and what it took.
+
+python feet.py [--only 12_01] [--picture footprints.png]
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+import warnings
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from clips import folder
+from PIL import Image, ImageDraw
+from scipy.linalg import solveh_banded
+
+import mocurve as mc
+from mocurve import kinematics, planar, rotation
+from mocurve.edit._body import carried
+from mocurve.edit._locking import held, locked, source_of
+from mocurve.edit._reach import Strain
+from mocurve.feet.contacts import contacts, found, slowness
+from mocurve.feet.legs import Leg, centimetres, legs, tracks
+from mocurve.feet.skate import skate
+from mocurve.formats._files import replacing
+from mocurve.info import first_frame_is_t_pose
+
+CLIPS = {
+    "12_01": "cmu_12_01_walk.bvh",
+    "16_15": "cmu_16_15.amc",
+    "02_01": "cmu_02_01_walk_blender.bvh",
+    "09_12": "cmu_09_12.amc",
+    "16_41": "cmu_16_41.amc",
+    "02_03": "cmu_02_03.amc",
+}
+STALL = 20.0  # cm/s: slower, the way has no heading of its own
+COLUMNS = "skate re-det    tip  ankle   heel kept% | knee  p99   rot   lin  pelv | drop shift twist  miss short   gap"
+
+
+def clip(name: str) -> mc.Motion:
+    path = folder() / "cmu" / CLIPS[name]
+    body: dict[str, Path] = {"skeleton": folder() / "cmu" / f"cmu_{name[:2]}.asf"} if path.suffix == ".amc" else {}
+    motion = mc.read(path, **body)
+    assert isinstance(motion, mc.Motion)
+    return motion[int(first_frame_is_t_pose(motion)) :]
+
+
+# -- paths -----------------------------------------------------------------------------------------
+def smoothed(values: np.ndarray, weights: np.ndarray, frames: float) -> np.ndarray:
+    """Whittaker's smoother: least weighted squares of what changes and of second differences, over so many frames."""
+    count = len(values)
+    band = np.zeros((3, count))
+    band[0] = weights
+    for first, a in enumerate((1.0, -2.0, 1.0)):
+        for second, b in enumerate((1.0, -2.0, 1.0)[first:]):
+            band[second, first : count - 2 + first] += frames**4 * a * b
+    return solveh_banded(band, (values.T * weights).T, lower=True)
+
+
+def slalom(s: np.ndarray) -> np.ndarray:
+    return np.radians(45.0) * np.sin(s / (50.0 * np.radians(45.0)))  # least radius 50 cm
+
+
+PATHS: dict[str, Callable[[np.ndarray], np.ndarray]] = {  # heading, radians, after so many cm
+    "straight": lambda s: 0.0 * s,
+    "arc 3 m": lambda s: s / 300.0,
+    "arc 1 m": lambda s: s / 100.0,
+    "slalom": slalom,
+    "turn 90": lambda s: np.clip((s - 0.4 * s[-1]) / 50.0, 0.0, np.pi / 2.0),
+}
+
+
+def carry_onto(motion: mc.Motion, heading: Callable[[np.ndarray], np.ndarray], stride: float = 1.0) -> np.ndarray:
+    """The planar transforms (F, 3) that lay the way of the root on a path of this heading, as long as it is."""
+    scale, rate = centimetres(motion), 1.0 / motion.frame_time
+    root = scale * kinematics.world(motion)[:, 0][:, [0, 2]]
+    way = smoothed(root, np.ones(len(root)), 0.4 * rate)
+    steps = np.gradient(way, axis=0)
+    s = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(way, axis=0), axis=1))]) * stride
+    own = np.unwrap(np.arctan2(steps[:, 0], steps[:, 1]))
+    new = heading(s) + np.arctan2(*(way[-1] - way[0]))
+    between = 0.5 * (new[1:] + new[:-1])
+    over = np.diff(s)[:, None] * np.stack([np.sin(between), np.cos(between)], axis=1)
+    place = way[0] + np.concatenate([np.zeros((1, 2)), np.cumsum(over, axis=0)])
+    speed = np.linalg.norm(steps, axis=1) * rate
+    weight = speed**2 / (speed**2 + STALL**2) + 1e-6
+    turn = smoothed(np.stack([np.cos(new - own), np.sin(new - own)], axis=1), weight, 0.15 * rate)
+    angle = np.unwrap(np.arctan2(turn[:, 1], turn[:, 0]))
+    none = 0.0 * angle
+    turned = planar.move(np.stack([angle, none, none], axis=1), np.stack([way[:, 0], none, way[:, 1]], axis=1))
+    return np.column_stack([angle, (place - turned[:, [0, 2]]) / scale])
+
+
+# -- numbers ---------------------------------------------------------------------------------------
+def quickening(turns: np.ndarray) -> np.ndarray:
+    """Angular acceleration (F - 2,) of rotations (F, 4), radians a frame a frame."""
+    steps = rotation.log(rotation.mul(rotation.inv(turns[:-1]), turns[1:]))
+    return np.linalg.norm(np.diff(steps, axis=0), axis=1)
+
+
+def joints_calm(motion: mc.Motion, both: tuple[Leg, ...]) -> np.ndarray:
+    """Largest and 99th percentile of the knees' angular acceleration, largest of the ankles', and of the ankles' and
+    the root's linear one."""
+    turned, places = kinematics.rotations(motion), kinematics.world(motion)
+    knees = np.concatenate([quickening(turned[:, leg.knee]) for leg in both])
+    ankles = np.concatenate([quickening(turned[:, leg.ankle]) for leg in both])
+    linear = [np.linalg.norm(np.diff(places[:, leg.ankle], 2, axis=0), axis=1).max() for leg in both]
+    root = np.linalg.norm(np.diff(places[:, 0], 2, axis=0), axis=1).max()
+    return np.array([knees.max(), np.percentile(knees, 99), ankles.max(), max(linear), root])
+
+
+def gap(motion: mc.Motion, both: tuple[Leg, ...]) -> float:
+    """The least distance over the ground, cm, of the two lines from heel to ball."""
+    balls, heels = (centimetres(motion) * points[..., [0, 2]] for points in tracks(motion, both))
+    along = np.linspace(0.0, 1.0, 6)[None, :, None]
+    lines = [heel[:, None] + along * (ball - heel)[:, None] for ball, heel in zip(balls, heels, strict=True)]
+    return float(np.linalg.norm(lines[0][:, :, None] - lines[1][:, None], axis=-1).min())
+
+
+def sliding(motion: mc.Motion, source: mc.Motion, listed: tuple, both: tuple[Leg, ...], speed: float) -> list[float]:
+    """Mean speeds, cm/s: of the ball, of ball contacts found anew, of toe tip and ankle while the ball stands, of the
+    heel while it stands; and the part of the contact that is kept, percent."""
+    names = motion.skeleton.names
+    balls = [c for c in listed if c.joint in {names[leg.ball] for leg in both}]
+    heels = [c for c in listed if c.joint not in {names[leg.ball] for leg in both}]
+    anew = [c for c in found(motion, both, speed, 4.0, held=False) if c.joint in {names[leg.ball] for leg in both}]
+    own = skate(motion, balls, both, source, speed)
+    again, heel = skate(motion, anew, both, motion, speed), skate(motion, heels, both, source, speed)
+    places, others = centimetres(motion) * kinematics.world(motion), []
+    for joint in ("tip", "ankle"):
+        steps = []
+        for contact in balls:
+            leg = next(leg for leg in both if names[leg.ball] == contact.joint)
+            end = np.flatnonzero(motion.skeleton.parents == leg.ball)
+            place = leg.ankle if joint == "ankle" or not len(end) else int(end[0])
+            track = places[contact.first : contact.last + 1, place][:, [0, 2]]
+            steps.append(np.linalg.norm(np.diff(track, axis=0), axis=1) / motion.frame_time)
+        others.append(float(np.concatenate(steps).mean()))
+    assert own is not None
+    anew_speed = again.speed if again else 0.0
+    return [own.speed, anew_speed, *others, heel.speed if heel else 0.0, 100.0 * own.kept]
+
+
+def row(name: str, path: str, slide: list[float], calm: np.ndarray, strain: Strain, between: float) -> str:
+    first = f"{slide[0]:6.3f}{slide[1]:7.2f}{slide[2]:7.2f}{slide[3]:7.2f}{slide[4]:7.2f}{slide[5]:6.1f}"
+    second = "".join(f"{value:6.2f}" for value in calm)
+    third = (
+        f"{strain.drop:6.2f}{strain.shift:6.2f}{strain.twist:6.1f}{strain.miss:6.3f}{strain.short:6.2f}{between:6.1f}"
+    )
+    return f"{name:7}{path:10}{first} |{second} |{third}"
+
+
+def picture(file: Path) -> None:
+    """Footprints from above: a walk laid on a slalom, its feet carried along with it, and held."""
+    source = clip("16_15")
+    both, listed, carry = legs(source), contacts(source), carry_onto(source, PATHS["slalom"])
+    names = source.skeleton.names
+    image = Image.new("RGB", (1240, 1500), "white")
+    pen, colours = ImageDraw.Draw(image), (((214, 102, 88), (246, 222, 218)), ((27, 73, 125), (214, 226, 240)))
+    for panel, motion in enumerate((carried(source, carry), locked(source, carry, listed, both)[0])):
+        balls, heels = (centimetres(motion) * points[..., [0, 2]] for points in tracks(motion, both))
+        low = balls[:, 60:360].reshape(-1, 2).min(axis=0) - 25.0
+        for leg, ball, heel, (dark, light) in zip(both, balls, heels, colours, strict=True):
+            stands = np.zeros(motion.frames, bool)
+            for contact in listed:
+                if contact.joint == names[leg.ball]:
+                    stands[contact.first : contact.last + 1] = True
+            for frame in sorted(range(60, 360, 2), key=lambda frame: stands[frame]):
+                ends = [
+                    (620 * panel + 5.2 * (x - low[0]), 1480 - 5.2 * (z - low[1])) for x, z in (ball[frame], heel[frame])
+                ]
+                pen.line(ends, fill=dark if stands[frame] else light, width=4)
+    with replacing(file) as stream:
+        image.resize((620, 750), Image.Resampling.LANCZOS).save(stream, "PNG", optimize=True)
+
+
+def main() -> None:
+    asked = argparse.ArgumentParser()
+    asked.add_argument("--only", default="")
+    asked.add_argument("--picture", type=Path)
+    given = asked.parse_args()
+    only = given.only
+    if given.picture is not None:
+        picture(given.picture)
+        return
+    warnings.simplefilter("ignore")  # no frame rate in Acclaim files
+    print(f"{'clip':7}{'path':10}{COLUMNS}")
+    for name in CLIPS:
+        if only not in name:
+            continue
+        source = clip(name)
+        both, listed, speed = legs(source), contacts(source), slowness(source)
+        own, ankles = joints_calm(source, both), sliding(source, source, listed, both, speed)
+        print(row(name, "source", ankles, own / own, Strain.none(0), gap(source, both)), flush=True)
+        for path, heading in {"still": None, **PATHS}.items():
+            carry = np.zeros((source.frames, 3)) if heading is None else carry_onto(source, heading)
+            made, strain = locked(source, carry, listed, both)
+            calm = joints_calm(made, both) / own
+            unlocked = joints_calm(carried(source, carry), both)
+            calm[4] *= own[4] / unlocked[4]  # the pelvis as it was laid on the path
+            slide = sliding(made, source, listed, both, speed)
+            print(row(name, path, slide, calm, strain, gap(made, both)), flush=True)
+            for problem in strain.problems:
+                print(f"{'':17}{problem.sentence(made.frame_time)}")
+    timed(clip("09_12"))
+
+
+def timed(motion: mc.Motion) -> None:
+    """Processor time of 5000 frames, milliseconds, median of nine."""
+    long = replace(motion, values=np.vstack([motion.values] * 3)[:5000])
+    both, listed = legs(long), contacts(long)
+    carry = carry_onto(long, PATHS["arc 3 m"])
+    source = source_of(long, listed, both)
+    still, _ = locked(long, 0.0 * carry, listed, both)
+    done = source_of(still, contacts(still), both)
+    pushed = np.sin(np.pi * np.clip((np.arange(5000) - 2600) / 200.0, 0.0, 1.0))[:, None] ** 2 * [0.0, 2.0, 1.0]
+    for label, work in (
+        ("contacts found", lambda: contacts(long)),
+        ("made ready once", lambda: source_of(long, listed, both)),
+        ("carried and locked, with forward kinematics", lambda: held(source, carry)),
+        ("locked already, 200 of them carried elsewhere", lambda: held(done, pushed)),
+        ("forward kinematics alone", lambda: kinematics.world(long)),
+    ):
+        work()
+        spent = []
+        for _ in range(9):
+            start = time.process_time()
+            work()
+            spent.append(time.process_time() - start)
+        print(f"5000 frames, {label}: {1000 * np.median(spent):.0f} ms")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,115 @@
+"""Where feet are to be while the body is carried elsewhere: footprints stay, swings go with the body.
+
+carry (F, 3) takes the body of each frame elsewhere. A foot that stands is taken by one transform for the whole contact,
+the mean of the carries over it (Gleicher 2001, Motion path editing, section 4, freezes one), and so does not move. What
+this leaves between the foot and its carried body is, in the body's frame, led through the swings: the swinging foot
+follows the body.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .. import planar
+from ._hinge import Hinge
+from ._stances import GROUND, Stances
+from ._swings import filled
+
+LEAST, MOVES = 1.0, 6.0  # cm that a footprint may move to relieve its knee: evenly carried, and unevenly
+STAYS = 1e-6  # cm, where somebody said the place
+BENDS = np.radians(6.0)  # flexion that is as bad
+
+
+@dataclass(frozen=True, eq=False)
+class Prints:
+    """The footprints of a leg: transforms (N, 3), angle, x, z, that take each stance of the source to where it is now,
+    and how far (N,), cm, the carries are from them, which is how far they may move."""
+
+    taken: np.ndarray
+    uneven: np.ndarray
+
+    def cut(self, some: slice) -> Prints:
+        """Some of the stances."""
+        return Prints(self.taken[some], self.uneven[some])
+
+
+@dataclass(frozen=True, eq=False)
+class Targets:
+    """Where a leg is to be: ball and ankle (F, 3), cm, and by how much the foot is turned, (F,) radians."""
+
+    ball: np.ndarray
+    ankle: np.ndarray
+    yaw: np.ndarray
+
+
+def prints(stances: Stances, carry: np.ndarray) -> Prints:
+    """Footprints where the body passes on the mean."""
+    there = planar.move(carry, stances.places[np.maximum(stances.of, 0)]) if len(stances.spans) else None
+    if there is None:
+        return Prints(np.zeros((0, 3)), np.zeros(0))
+    angle = stances.mean(carry[:, :1])
+    place = stances.mean(there)
+    turned = planar.move(np.concatenate([angle, 0.0 * angle, 0.0 * angle], axis=1), stances.places)
+    taken = np.concatenate([angle, (place - turned)[:, GROUND]], axis=1)
+    away = np.linalg.norm(there - place[np.maximum(stances.of, 0)], axis=1)
+    turns = np.abs(carry[:, 0] - angle[np.maximum(stances.of, 0), 0])
+    uneven = np.zeros(len(taken))
+    inside = stances.of >= 0
+    np.maximum.at(uneven, stances.of[inside], np.maximum(away, 10.0 * turns)[inside])  # a foot is 10 cm either way
+    return Prints(taken, uneven)
+
+
+def targets(stances: Stances, prints: Prints, carry: np.ndarray, offset: np.ndarray, frame_time: float) -> Targets:
+    """Where the foot is to be in every frame. offset: (F, 3) from ball to ankle in the source.
+
+    Over the ground, places are complex numbers z + i x, which a turn by an angle multiplies by exp(i angle).
+    """
+    pinned, inside = stances.pinned, stances.of >= 0
+    place, turn, shift = _ground(pinned), np.exp(1j * carry[:, 0]), carry[:, 2] + 1j * carry[:, 1]
+    away = np.zeros((len(pinned), 3))
+    taken = prints.taken[stances.of[inside]]
+    stands = np.exp(1j * taken[:, 0]) * place[inside] + taken[:, 2] + 1j * taken[:, 1]
+    off = np.conj(turn[inside]) * (stands - shift[inside]) - place[inside]
+    away[inside, 0], away[inside, 1], away[inside, 2] = off.imag, off.real, taken[:, 0] - carry[inside, 0]
+    away = filled(away, stances.spans, frame_time)
+    there, yaw = turn * (place + away[:, 1] + 1j * away[:, 0]) + shift, carry[:, 0] + away[:, 2]
+    there[inside], yaw[inside] = stands, taken[:, 0]  # not by way of the body: a foot that stands is still
+    ankle = there + np.exp(1j * yaw) * _ground(offset)
+    height = pinned[:, 1]
+    return Targets(
+        np.column_stack([there.imag, height, there.real]),
+        np.column_stack([ankle.imag, height + offset[:, 1], ankle.real]),
+        yaw,
+    )
+
+
+def _ground(places: np.ndarray) -> np.ndarray:
+    return places[:, 2] + 1j * places[:, 0]
+
+
+def relieved(
+    prints: Prints, stances: Stances, hinge: Hinge, hip: np.ndarray, target: np.ndarray, wanted: np.ndarray
+) -> Prints:
+    """Each footprint moved over the ground so that its own knee bends as wanted: two unknowns a stance."""
+    inside = np.flatnonzero(stances.of >= 0)
+    if not len(inside):
+        return prints
+    to = (hip - target)[inside]
+    length = np.linalg.norm(to, axis=1)
+    flexion, slope = (part[inside] for part in hinge.bend(np.linalg.norm(hip - target, axis=1)))
+    gx, gz = -slope * to[:, 0] / length, -slope * to[:, 2] / length
+    off = flexion - wanted[inside]
+    xx, xz, zz, x, z, count = (
+        np.bincount(stances.of[inside], part, len(prints.taken))
+        for part in (gx * gx, gx * gz, gz * gz, -gx * off, -gz * off, np.ones(len(inside)))
+    )
+    free = np.where(stances.placed, STAYS, np.clip(prints.uneven, LEAST, MOVES))
+    ridge = (BENDS / free) ** 2 * count
+    xx, zz = xx + ridge, zz + ridge
+    size = xx * zz - xz * xz
+    taken = prints.taken.copy()
+    taken[:, 1] += (zz * x - xz * z) / size
+    taken[:, 2] += (xx * z - xz * x) / size
+    return replace(prints, taken=taken)

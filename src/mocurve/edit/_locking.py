@@ -1,0 +1,275 @@
+"""Feet held where they stand while the body is carried elsewhere: footprints, swings, pelvis, legs, in that order.
+
+Follows Kovar, Schreiner and Gleicher 2002, Footskate cleanup for motion capture editing, in what is done (footprints,
+root, legs), not in how: the root is one least squares over all frames, so that no knee is yanked, and a footprint may
+move a little while the feet follow the body between footprints.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .. import planar, rotation
+from ..errors import Mismatch
+from ..feet.contacts import Contact, runs
+from ..feet.legs import Leg, centimetres
+from ..info import first_frame_is_t_pose
+from ..kinematics import world, world_rotations
+from ..motion import Motion
+from ._body import bearer, carried, set_anew
+from ._clearance import cleared
+from ._footprints import Prints, Targets, prints, relieved, targets
+from ._hinge import Hinge, hinge_of, reached
+from ._pelvis import Legs, shifted
+from ._reach import Strain
+from ._stances import FAR, STILL, Stances, near, stances, wanted
+from ._swings import REACH
+
+ROUNDS, MOVING = 3, 2  # solutions of the pelvis, and after how many of them footprints move
+
+
+@dataclass(frozen=True, eq=False)
+class Side:
+    """What is known of one leg in the source: its joints, its bones and bends, where it stands; from ball to ankle (F,
+    3), cm; how the world sees the axes (F, 4) of what carries the hip, and of what carries the ankle."""
+
+    leg: Leg
+    hinge: Hinge
+    stances: Stances
+    offset: np.ndarray
+    above: np.ndarray
+    shank: np.ndarray
+
+    def cut(self, span: slice) -> tuple[Side, slice]:
+        """Some of the frames, and which stances are in them."""
+        stances, kept = self.stances.cut(span)
+        parts = (part[span] for part in (self.offset, self.above, self.shank))
+        return Side(self.leg, self.hinge.cut(span), stances, *parts), kept
+
+
+@dataclass(frozen=True, eq=False)
+class Source:
+    """What is known of a motion before it is carried anywhere. lead: T-poses in front, which are not part of it; scale:
+    centimetres a unit; bearer: the joint whose place moves the body over its feet."""
+
+    motion: Motion
+    lead: int
+    scale: float
+    bearer: int
+    sides: tuple[Side, ...]
+
+
+def source_of(
+    base: Motion, listed: Sequence[Contact], legs: Sequence[Leg], touched: np.ndarray | None = None
+) -> Source:
+    """What locking needs to know of a motion (samples), its contacts, and its legs as `feet.legs` finds them: once for
+    a clip that is laid on one path after another. touched: (F,) the frames outside of which nothing is to be mended,
+    all by default."""
+    lead = int(first_frame_is_t_pose(base))
+    motion, scale = base[lead:], centimetres(base)
+    inner = [replace(c, first=max(c.first - lead, 0), last=c.last - lead) for c in listed if c.last >= lead]
+    places = scale * world(motion)
+    touched = None if touched is None else touched[lead:]
+    sides = tuple(_side(motion, leg, inner, places, scale, touched) for leg in legs)
+    return Source(base, lead, scale, bearer(base.skeleton, _common(base, legs)), sides)
+
+
+def locked(base: Motion, carry: np.ndarray, listed: Sequence[Contact], legs: Sequence[Leg]) -> tuple[Motion, Strain]:
+    """`held` for a motion that is carried once."""
+    return held(source_of(base, listed, legs), carry)
+
+
+def held(source: Source, carry: np.ndarray) -> tuple[Motion, Strain]:
+    """The motion carried elsewhere, its feet held in their contacts, and what that took.
+
+    carry: (F, 3) planar transforms of the root of each frame, angle, x, z in file units (`planar`); all zero for plain
+    cleanup.
+
+    Places in contact are the contacts' own, taken along by the mean of the carries over the contact. Contacts whose
+    foot is held already, and carried as one, are not touched, nor are frames from 0.6 s away of others. Nothing is
+    refused here: Strain says where a leg was asked for too much.
+    """
+    base, sides = source.motion, source.sides
+    carry = np.column_stack([np.unwrap(carry[:, 0]), carry[:, 1:]])
+    made = carried(base, carry)
+    carry = carry[source.lead :] * [1.0, source.scale, source.scale]
+    marks = [prints(side.stances, carry) for side in sides]
+    changed = [side.stances.changed | (mark.uneven > STILL) for side, mark in zip(sides, marks, strict=True)]
+    counts = sum(map(len, changed)), int(sum(map(np.sum, changed)))
+    if not counts[1]:
+        return made, Strain.none(counts[0])
+    moves = np.array([_standing(side.stances, own) for side, own in zip(sides, changed, strict=True)])
+    active, free = _windows(sides, np.logical_or(*moves), base.frame_time)
+    window = _context(sides, active)
+    parts = [side.cut(window) for side in sides]
+    sides = tuple(side for side, _ in parts)
+    marks = [mark.cut(kept) for mark, (_, kept) in zip(marks, parts, strict=True)]
+    even = bool(np.abs(np.diff(carry, axis=0)).max(initial=0.0) < 1e-9)
+    carry, moves, active, free = carry[window], moves[:, window], active[window], free[window]
+    pulls = [_pull(side, carry, own, base.frame_time) for side, own in zip(sides, moves, strict=True)]
+    shift, aims = _solved(sides, marks, pulls, carry, ~free, base.frame_time)
+    turns, short = _legs_set(sides, pulls, aims, shift, carry, active)
+    lead = source.lead + window.start
+    made = set_anew(made, source.bearer, shift[active] / source.scale, turns, lead + np.flatnonzero(active))
+    places = source.scale * world(made[lead : lead + len(carry)])
+    tracks = _taken(sides, aims, places, shift, carry[:, 0], moves, short)
+    return made, Strain.of(*counts, tracks, even, base.frame_time).later(lead)
+
+
+# -- in call order ---------------------------------------------------------------------------------
+
+
+def _side(
+    motion: Motion,
+    leg: Leg,
+    listed: Sequence[Contact],
+    places: np.ndarray,
+    scale: float,
+    touched: np.ndarray | None,
+) -> Side:
+    names, parents = motion.skeleton.names, motion.skeleton.parents
+    joints = [parents[leg.hip], leg.hip, parents[leg.knee], leg.knee, parents[leg.ankle], leg.ankle]
+    turned = world_rotations(motion, joints)
+    hinge = hinge_of(motion, leg, places, turned[:, [1, 2, 3, 5]])
+    ball = places[:, leg.ball]
+    heel = hinge.ankle + rotation.rotate(hinge.foot, scale * leg.heel)
+    own = [contact for contact in listed if contact.joint in (names[leg.ball], names[leg.ankle])]
+    stood = stances(ball, heel, own, names[leg.ball], scale, motion.frame_time, touched)
+    return Side(leg, hinge, stood, hinge.ankle - ball, turned[:, 0], turned[:, 4])
+
+
+def _common(motion: Motion, legs: Sequence[Leg]) -> int:
+    """The lowest joint above all hips."""
+    below = [motion.skeleton.below(joint) for joint in range(len(motion.skeleton.names))]
+    above = [joint for joint, under in enumerate(below) if all(under[leg.hip] and joint != leg.hip for leg in legs)]
+    if not above:
+        raise Mismatch("the legs hang on no common joint, so no body can be moved over its feet")
+    return max(above)
+
+
+def _standing(stood: Stances, some: np.ndarray) -> np.ndarray:
+    """(F,) True in those stances."""
+    return (stood.of >= 0) & some[stood.of] if len(some) else np.zeros(len(stood.of), bool)
+
+
+def _windows(sides: Sequence[Side], changed: np.ndarray, frame_time: float) -> tuple[np.ndarray, np.ndarray]:
+    """Frames (F,) that may change, and those of them in which the pelvis may move."""
+    reach = int(REACH / frame_time)
+    free = np.zeros(len(changed), bool)
+    for first, end in runs(changed):
+        free[max(first - reach, 0) : end + reach] = True
+    active = free.copy()
+    touched = np.flatnonzero(changed)
+    beside = np.zeros(len(changed), bool)
+    beside[np.concatenate([touched, np.maximum(touched - 1, 0), np.minimum(touched + 1, len(changed) - 1)])] = True
+    for side in sides:  # a swing from or to a foot that is held elsewhere, or past one
+        for first, end in runs(side.stances.of < 0):
+            if end - first <= 2 * reach and beside[first:end].any():
+                active[first:end] = True
+    return active, free
+
+
+def _context(sides: Sequence[Side], active: np.ndarray) -> slice:
+    """The frames that have to be looked at: those that may change and, for each leg, a stance on both sides of them.
+    What is cut off at either end has no part in what they become."""
+    inside = np.flatnonzero(active)
+    first, end = int(inside[0]), int(inside[-1]) + 1
+    firsts, ends = [first], [end]
+    for side in sides:
+        spans = side.stances.spans
+        before, after = spans[spans[:, 0] <= first, 0], spans[spans[:, 1] >= end, 1]
+        firsts.append(int(before[-1]) if len(before) else 0)
+        ends.append(int(after[0]) if len(after) else len(active))
+    return slice(max(min(firsts) - 2, 0), min(max(ends) + 2, len(active)))  # two frames in which nothing is shifted
+
+
+def _pull(side: Side, carry: np.ndarray, changed: np.ndarray, frame_time: float) -> Legs:
+    """How a leg with these changed stances (F,) pulls at the body that is carried."""
+    aim = wanted(side.hinge, near(changed, frame_time, FAR))
+    return Legs(side.hinge, planar.move(carry, side.hinge.hip), aim, side.stances.minded)
+
+
+def _solved(
+    sides: Sequence[Side],
+    marks: Sequence[Prints],
+    pulls: Sequence[Legs],
+    carry: np.ndarray,
+    fixed: np.ndarray,
+    frame_time: float,
+) -> tuple[np.ndarray, list[Targets]]:
+    """The shift of the pelvis (F, 3), cm, and where the feet are to be."""
+    marks, shift = list(marks), np.zeros((len(carry), 3))
+    aims = _aims(sides, marks, carry, frame_time)
+    for turn in range(ROUNDS):
+        shift = shifted([(pull, aim.ankle) for pull, aim in zip(pulls, aims, strict=True)], shift, fixed, frame_time)
+        if turn < MOVING:
+            marks = [
+                relieved(mark, side.stances, side.hinge, pull.hip + shift, aim.ankle, pull.wanted)
+                for mark, side, aim, pull in zip(marks, sides, aims, pulls, strict=True)
+            ]
+            aims = _aims(sides, marks, carry, frame_time)
+    return shift, aims
+
+
+def _aims(sides: Sequence[Side], marks: Sequence[Prints], carry: np.ndarray, frame_time: float) -> list[Targets]:
+    aims = [
+        targets(side.stances, mark, carry, side.offset, frame_time) for side, mark in zip(sides, marks, strict=True)
+    ]
+    before = [Targets(side.hinge.ankle - side.offset, side.hinge.ankle, carry[:, 0]) for side in sides]
+    heading = np.ascontiguousarray(carry[:, 0])
+    for own, other in ((0, 1), (1, 0)):
+        pairs = (before[own], before[other]), (sides[own].stances, sides[other].stances)
+        aims[own] = cleared(aims[own], aims[other], *pairs, heading, frame_time)
+    return aims
+
+
+def _legs_set(
+    sides: Sequence[Side],
+    pulls: Sequence[Legs],
+    aims: Sequence[Targets],
+    shift: np.ndarray,
+    carry: np.ndarray,
+    active: np.ndarray,
+) -> tuple[dict[int, np.ndarray], np.ndarray]:
+    """Rotations (N, 4) of hips, knees and ankles against their parents at the active frames, and by how much (2, F),
+    cm, the ankles fall short."""
+    turns: dict[int, np.ndarray] = {}
+    short = np.zeros((len(sides), len(carry)))
+    back = rotation.inv(planar.quaternion(carry))
+    for i, (side, pull, aim) in enumerate(zip(sides, pulls, aims, strict=True)):
+        hinge, leg = side.hinge, side.leg
+        whole, knee, short[i] = reached(
+            hinge, pull.hip + shift, aim.ankle, aim.yaw, carry[:, 0], pull.wanted, side.stances.exact
+        )
+        above = rotation.mul(back, whole)
+        turns[leg.hip] = rotation.mul(rotation.inv(side.above), rotation.mul(above, hinge.thigh))
+        turns[leg.knee] = rotation.mul(knee, rotation.mul(rotation.inv(hinge.knee), hinge.shin))
+        shin = rotation.mul(whole, rotation.mul(hinge.knee, rotation.mul(knee, rotation.inv(hinge.knee))))
+        foot = rotation.mul(planar.quaternion(np.stack([aim.yaw] + [0.0 * aim.yaw] * 2, axis=1)), hinge.foot)
+        turns[leg.ankle] = rotation.mul(rotation.inv(rotation.mul(shin, side.shank)), foot)
+    return {joint: turned[active] for joint, turned in turns.items()}, short
+
+
+def _taken(
+    sides: Sequence[Side],
+    aims: Sequence[Targets],
+    places: np.ndarray,
+    shift: np.ndarray,
+    heading: np.ndarray,
+    moves: np.ndarray,
+    short: np.ndarray,
+) -> dict[str, np.ndarray]:
+    """What was taken of each kind of `_reach.LIMITS` in every frame (F,), measured on the places (F, J, 3), cm."""
+    off = [np.linalg.norm(places[:, s.leg.ball] - aim.ball, axis=1) for s, aim in zip(sides, aims, strict=True)]
+    turned = [np.degrees(np.abs(aim.yaw - heading)) for aim in aims]
+    swings = np.array([side.stances.of < 0 for side in sides])
+    return {
+        "drop": -shift[:, 1],
+        "shift": np.linalg.norm(shift[:, [0, 2]], axis=1),
+        "twist": np.where(moves, turned, 0.0).max(axis=0),
+        "miss": np.where(moves, off, 0.0).max(axis=0),
+        "short": np.where(swings, np.abs(short), 0.0).max(axis=0),
+    }

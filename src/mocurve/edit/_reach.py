@@ -1,0 +1,123 @@
+"""What locked feet took, and where it was too much: by how much, in which frames, and which stride would mend it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..errors import OptionError
+from ..feet.contacts import runs
+
+# what may be asked of a body, cm and degrees
+LIMITS = {"drop": 2.5, "shift": 4.0, "twist": 45.0, "miss": 0.05, "short": 4.0}
+SAID = {
+    "drop": "the hips sink {value:.1f} cm (most {limit:g})",
+    "shift": "the hips go {value:.1f} cm aside (most {limit:g})",
+    "twist": "the body turns {value:.0f} degrees over a standing foot (most {limit:g})",
+    "miss": "a standing foot is {value:.1f} cm out of reach (most {limit:g})",
+    "short": "a swinging foot falls {value:.1f} cm short (most {limit:g})",
+}
+AIMED = 0.8  # of a limit: what shorter steps are to come down to
+# cm more of something for steps twice as long, where little is too much; where much is, twice as much more of it
+GROWS = {"drop": 14.0, "shift": 28.0, "miss": 14.0, "short": 28.0}
+SHORTEST = 0.4  # times as long: shorter steps than that are another motion
+APART = 0.5  # seconds: spans nearer than that are told as one
+TOLD = 3  # problems in one sentence
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Too much of something: which of LIMITS, its largest value in a span, first and last frame of that, and how many
+    times as long as they are the steps there should be; None where that would not help."""
+
+    kind: str
+    value: float
+    first: int
+    last: int
+    stride: float | None
+
+    def sentence(self, frame_time: float) -> str:
+        """What is wrong and where, in words."""
+        told = SAID[self.kind].format(value=self.value, limit=LIMITS[self.kind])
+        mend = "" if self.stride is None else f"; steps about {self.stride:.2f} times as long would do"
+        where = f"frames {self.first} to {self.last}, {self.first * frame_time:.2f} to {self.last * frame_time:.2f} s"
+        return f"{told} at {where}{mend}"
+
+
+@dataclass(frozen=True)
+class Strain:
+    """What locked feet took, cm and degrees, largest over all frames.
+
+    stances: how many. changed: how many of them were not held as they are.
+    drop:  how far the body sinks. shift: how far it goes over the ground. twist: how far it is turned against a
+    standing foot, more than in the source. miss: how far a standing ball is from its place. short: how far a swinging
+    ankle is from where it was meant to be.
+    """
+
+    stances: int
+    changed: int
+    drop: float
+    shift: float
+    twist: float
+    miss: float
+    short: float
+    problems: tuple[Problem, ...] = ()
+
+    @classmethod
+    def none(cls, stances: int) -> Strain:
+        """Nothing was to be done."""
+        return cls(stances, 0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+    @classmethod
+    def of(cls, stances: int, changed: int, tracks: Mapping[str, np.ndarray], even: bool, frame_time: float) -> Strain:
+        """From what was taken of each kind in every frame (F,). even: whether all frames are carried alike."""
+        found = {kind: float(max(track.max(initial=0.0), 0.0)) for kind, track in tracks.items()}
+        problems = [
+            problem
+            for kind, track in tracks.items()
+            if found[kind] > LIMITS[kind]
+            for problem in _problems(kind, track, even, frame_time)
+        ]
+        problems.sort(key=lambda problem: -problem.value / LIMITS[problem.kind])
+        return cls(stances, changed, **found, problems=tuple(problems))
+
+    def refuse(self, frame_time: float, mend: str) -> None:
+        """OptionError with the worst problems, if there are any, and what can be done instead."""
+        if self.problems:
+            told = [problem.sentence(frame_time) for problem in self.problems[:TOLD]]
+            more = len(self.problems) - len(told)
+            rest = f"; and {more} more such span{'' if more == 1 else 's'}" if more else ""
+            raise OptionError(f"feet cannot be held: {'; '.join(told)}{rest}. {mend}")
+
+    def later(self, frames: int) -> Strain:
+        """The same of a clip with so many frames in front."""
+        moved = (replace(p, first=p.first + frames, last=p.last + frames) for p in self.problems)
+        return replace(self, problems=tuple(moved))
+
+
+# -- in call order ---------------------------------------------------------------------------------
+
+
+def _problems(kind: str, track: np.ndarray, even: bool, frame_time: float) -> list[Problem]:
+    """The spans in which a track (F,) is beyond its limit. even: whether all frames are carried alike; then the steps
+    are as long as they ever were."""
+    spans: list[tuple[int, int]] = []
+    for first, end in runs(track > LIMITS[kind]).tolist():
+        if spans and (first - spans[-1][1]) * frame_time < APART:
+            first = spans.pop()[0]
+        spans.append((first, end))
+    values = [float(track[first:end].max()) for first, end in spans]
+    return [
+        Problem(kind, value, first, end - 1, None if even else _stride(kind, value))
+        for value, (first, end) in zip(values, spans, strict=True)
+    ]
+
+
+def _stride(kind: str, value: float) -> float:
+    """How many times as long the steps should be. The turn of a foot grows as the step; how the others do was measured
+    on walks and runs with stretched steps."""
+    aim = AIMED * LIMITS[kind]
+    over = value - aim
+    return max(SHORTEST, aim / value if kind == "twist" else 1.0 - over / (GROWS[kind] + 2.0 * over))

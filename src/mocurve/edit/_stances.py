@@ -1,0 +1,174 @@
+"""The stances of one leg in the source: contacts of ball and heel put together, and the foot held still in them.
+
+A stance is a union of a ball contact and the heel contacts that overlap it. While the ball is down it is held at its
+place; while only the heel is, the heel is held where it is when the ball arrives or leaves, and one fades into the
+other. Only the ground plan is changed: height and tilt of the foot stay the source's, so the floor is not broken. A
+place with another height than the source's lifts the foot.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from ..feet.contacts import Contact, runs
+from ._hinge import Hinge
+from ._poses import smooth
+from ._swings import filled
+
+STILL = 0.01  # cm and cm/s: a ball that moves less while it stands is held already, and stays as it is
+DIE = 0.08  # seconds within which speeds of the source's sliding die out of a swing
+NEAR, FAR = 0.10, 0.35  # seconds from a contact: the leg reaches exactly; the pelvis minds the knee
+FLOOR, ROUND = np.radians(7.0), np.radians(3.0)  # flexion of the knee that is wanted at least, and how softly
+SWING = 0.1  # seconds: the shortest swing that a heel contact leaves
+GROUND = [0, 2]
+
+
+@dataclass(frozen=True, eq=False)
+class Stances:
+    """The stances of a leg, cm.
+
+    spans:   (N, 2) first frame, and frame after the last. of: (F,) which stance, -1 in a swing.
+    places:  (N, 3) where the ball stands. placed: (N,) whether that is not where it stands in the source.
+    changed: (N,) whether the source's foot slides there, or is placed.
+    pinned:  (F, 3) the ball, held still in all stances, smooth between.
+    exact:   (F,) 1 in a stance, 0 from 0.1 s away on. minded: the same to 0.35 s.
+    """
+
+    spans: np.ndarray
+    of: np.ndarray
+    places: np.ndarray
+    placed: np.ndarray
+    changed: np.ndarray
+    pinned: np.ndarray
+    exact: np.ndarray
+    minded: np.ndarray
+
+    def cut(self, span: slice) -> tuple[Stances, slice]:
+        """Some of the frames, and which stances are in them."""
+        inside = np.flatnonzero((self.spans[:, 1] > span.start) & (self.spans[:, 0] < span.stop))
+        kept = slice(int(inside[0]), int(inside[-1]) + 1) if len(inside) else slice(0, 0)
+        of = self.of[span]
+        return Stances(
+            np.clip(self.spans[kept] - span.start, 0, len(of)),
+            np.where(of >= 0, of - kept.start, -1),
+            self.places[kept],
+            self.placed[kept],
+            self.changed[kept],
+            self.pinned[span],
+            self.exact[span],
+            self.minded[span],
+        ), kept
+
+    def mean(self, values: np.ndarray) -> np.ndarray:
+        """Mean (N, M) over each stance of values (F, M)."""
+        inside = self.of >= 0
+        count = np.bincount(self.of[inside], minlength=len(self.spans))
+        sums = [np.bincount(self.of[inside], column[inside], len(self.spans)) for column in values.T]
+        return np.stack(sums, axis=1) / np.maximum(count, 1)[:, None]
+
+
+def stances(
+    ball: np.ndarray,
+    heel: np.ndarray,
+    listed: Sequence[Contact],
+    name: str,
+    scale: float,
+    frame_time: float,
+    touched: np.ndarray | None = None,
+) -> Stances:
+    """The stances of the leg whose ball (F, 3), cm, is called `name`, out of contacts of its ball and heel.
+
+    touched: (F,) the frames that something is done to; a foot that slides in other stances goes on sliding.
+    """
+    frames = len(ball)
+    balls = sorted((contact for contact in listed if contact.joint == name), key=lambda contact: contact.first)
+    heels = [contact for contact in listed if contact.joint != name]
+    down, on_heel = (_mask(some, frames) for some in (balls, heels))
+    spans = _spans(balls, runs(down | on_heel).tolist(), round(SWING / frame_time))
+    of = np.full(frames, -1)
+    error, places = np.zeros((frames, 3)), np.zeros((len(spans), 3))
+    placed, changed = np.zeros(len(spans), bool), np.zeros(len(spans), bool)
+    for i, ((first, end), contact) in enumerate(zip(spans, balls, strict=True)):
+        of[first:end] = i
+        places[i] = scale * np.array(contact.place)
+        own = ball[contact.first : contact.last + 1]
+        error[first:end] = _holding(ball, heel, (first, end), contact, places[i])
+        placed[i] = np.abs(places[i] - own.mean(axis=0)).max() > STILL
+        steps = np.linalg.norm(np.diff(own[:, GROUND], axis=0), axis=1) / frame_time
+        slides = np.abs(own[:, GROUND] - own[:, GROUND].mean(axis=0)).max()
+        changed[i] = placed[i] or slides > STILL or steps.mean() > STILL if len(steps) else placed[i]
+        changed[i] &= touched is None or bool(touched[first:end].any())
+        if not changed[i]:
+            error[first:end] = 0.0
+    pinned = ball + filled(error, spans, frame_time, DIE)
+    exact, minded = (near(of >= 0, frame_time, seconds) for seconds in (NEAR, FAR))
+    return Stances(spans, of, places, placed, changed, pinned, exact, minded)
+
+
+def wanted(hinge: Hinge, weight: np.ndarray) -> np.ndarray:
+    """Flexion (F,) of the knee that is aimed at: the source's, near stances that change never quite straight, where a
+    little of the leg's length would cost much of the knee's turn."""
+    floor = FLOOR + ROUND * np.logaddexp(0.0, (hinge.flexion - FLOOR) / ROUND)
+    return hinge.flexion + weight * (floor - hinge.flexion)
+
+
+def near(mask: np.ndarray, frame_time: float, seconds: float) -> np.ndarray:
+    """1 where the mask (F,) is, smoothly down to 0 so many seconds away."""
+    away = np.full(len(mask), np.inf)
+    spans = runs(mask)
+    if len(spans):
+        frames = np.arange(len(mask))
+        begun = np.searchsorted(spans[:, 0], frames, side="right")
+        since = np.where(begun > 0, frames - (spans[np.maximum(begun - 1, 0), 1] - 1), len(mask))
+        until = np.where(begun < len(spans), spans[np.minimum(begun, len(spans) - 1), 0] - frames, len(mask))
+        away = np.where(mask, 0.0, np.minimum(np.maximum(since, 0), until)) * frame_time
+    return smooth(np.clip(1.0 - away / seconds, 0.0, 1.0))
+
+
+# -- in call order ---------------------------------------------------------------------------------
+
+
+def _mask(listed: Sequence[Contact], frames: int) -> np.ndarray:
+    mask = np.zeros(frames, bool)
+    for contact in listed:
+        mask[contact.first : contact.last + 1] = True
+    return mask
+
+
+def _spans(balls: Sequence[Contact], unions: Sequence[Sequence[int]], least: int) -> np.ndarray:
+    """For each ball contact (in order) the span (N, 2) of frames in which it or a heel contact that overlaps it is
+    there. Where that would leave less than so many frames of swing between two of them, the heel does not count."""
+    spans = []
+    for first, end in unions:
+        inner = [contact for contact in balls if first <= contact.first < end]
+        for contact in inner:
+            start = first if contact is inner[0] else contact.first
+            spans.append([start, end if contact is inner[-1] else contact.last + 1])
+    for at, (one, after) in enumerate(pairwise(spans)):
+        if after[0] - one[1] < least:
+            one[1], after[0] = balls[at].last + 1, balls[at + 1].first
+    return np.array(spans, int).reshape(-1, 2)
+
+
+def _holding(
+    ball: np.ndarray, heel: np.ndarray, span: tuple[int, int], contact: Contact, place: np.ndarray
+) -> np.ndarray:
+    """What is to be added to the places of the foot in a stance (frames of it, 3) so that it stands still there."""
+    first, end = span
+    own = slice(contact.first, contact.last + 1)
+    error = np.zeros((end - first, 3))
+    error[:, GROUND] = place[GROUND] - ball[first:end, GROUND]
+    lift = place[1] - ball[own, 1].mean()
+    error[:, 1] = lift if abs(lift) > STILL else 0.0
+    for at, frames in ((own.start, np.arange(first, own.start)), (own.stop - 1, np.arange(own.stop, end)[::-1])):
+        if not len(frames):  # frames in which only the heel is down, from the far one to the ball's
+            continue
+        inside = (frames[:, None] - first, GROUND)
+        on_heel = heel[at, GROUND] + error[at - first, GROUND] - heel[frames][:, GROUND]
+        fade = smooth(np.arange(1, len(frames) + 1) / (len(frames) + 1))[:, None]
+        error[inside] += (1.0 - fade) * (on_heel - error[inside])
+    return error

@@ -1,0 +1,180 @@
+"""The verb `lock_feet`: feet that slide while they should stand are held still.
+
+Source: Kovar, Schreiner and Gleicher 2002, Footskate cleanup for motion capture editing; how it is done here tells
+`_locking`.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from ..feet.contacts import Contact, found, positive, read_contacts, slowness
+from ..feet.legs import Leg, legs
+from ..feet.skate import Skate, skate
+from ..motion import Clip, Motion
+from ._locking import locked
+from ._pair import complete, recorded, tell_sampled
+from ._reach import Problem, Strain
+
+TRIES = 20  # times that contacts are let go
+
+
+@dataclass(frozen=True)
+class Locked:
+    """What was held, and what it took; centimetres. How feet slide is measured in all contacts of the clip that was
+    given, after it by forward kinematics of the result (`feet.skate`).
+
+    stances: of both feet, ball and heel together. changed: those that slid.
+    speed, drift: of balls in contact, mean over the ground a second, and mean of the largest distance to the middle of
+    a contact; each as it was and as it is. kept: part of the contact that is still one.
+    drop, shift: how far the hips go down and aside at most.
+    released: contacts that were let go, as JSON has them.
+    """
+
+    stances: int
+    changed: int
+    speed_before: float
+    speed: float
+    drift_before: float
+    drift: float
+    kept: float
+    drop: float
+    shift: float
+    released: Sequence[dict[str, Any]] = ()
+
+    def __str__(self) -> str:
+        lines = [
+            f"{self.stances} stances, {self.changed} of them held anew",
+            f"feet in contact slide {self.speed_before:.2f} -> {self.speed:.2f} cm/s, {self.drift_before:.2f} -> "
+            f"{self.drift:.2f} cm a contact; {100 * self.kept:.1f} % of the contact is kept",
+            f"the hips go down by at most {self.drop:.2f} cm and aside by {self.shift:.2f} cm",
+        ]
+        if self.released:
+            lines.append(f"{len(self.released)} contacts were let go")
+        return "\n".join(lines)
+
+    def to_json(self) -> dict[str, Any]:
+        """The same as plain numbers, texts and lists."""
+        return asdict(self) | {"released": list(self.released)}
+
+
+def lock_feet(
+    clip: Clip,
+    contacts: Sequence[Contact | Mapping[str, Any]] | None = None,
+    *,
+    feet: str | Sequence[str] | None = None,
+    speed: float | None = None,
+    height: float = 4.0,
+    release: bool = False,
+) -> Motion:
+    """The motion with its feet held still where they stand; as little as can be is changed elsewhere.
+
+    contacts: when and where, as `contacts` finds them, or its JSON, changed by hand or not; by default they are found.
+    A ball whose contact has another place than it has in the clip goes there.
+
+    Parameters
+    ----------
+    feet
+        The ball (toe base) of each foot; by default found by name and shape.
+    speed
+        Centimetres a second: slower than this a foot comes to stand, at twice the speed it leaves. By default 15, or 45
+        where the body runs.
+    height
+        Centimetres above the floor that a standing foot may be.
+    release
+        Let go of contacts that cannot be held without pulling the body out of shape, with a warning. Without it such a
+        clip is refused.
+
+    The ball of a standing foot does not move over the ground; its height and the tilt of the foot stay the source's. A
+    contact that is held already is not touched, nor is any frame 0.6 s away from contacts that slide, or any joint but
+    hips, knees, ankles and the place of the body. The last step of the `history` has the numbers of `Locked` under
+    "measured". Errors: Mismatch where there are no two legs or samples are missing, OptionError for contacts that are
+    not in the clip, and where the body would have to sink by 2.5 cm, to go aside by 4 cm, or a foot is out of reach:
+    the message names the frames.
+
+    >>> still = mc.lock_feet(mc.read("walk.bvh"))
+    """
+    positive(speed=speed, height=height)
+    motion = complete(clip.sample())
+    tell_sampled([clip], "feet are locked frame by frame")
+    both = legs(motion, feet)
+    slow = slowness(motion) if speed is None else speed
+    listed = found(motion, both, slow, height) if contacts is None else read_contacts(contacts, motion, both)
+    if contacts is None and not listed:
+        warnings.warn(
+            "no foot stands anywhere: nothing is locked; the option speed says how slow is standing", stacklevel=2
+        )
+    made, strain, released = _released(motion, listed, both) if release else (*_locked(motion, listed, both), ())
+    strain.refuse(motion.frame_time, "Contacts can be changed, or let go with the option release")
+    measured = _measured(motion, made, listed, both, slow, strain, released)
+    given = None if contacts is None else [contact.to_json() for contact in listed]
+    named = feet if feet is None or isinstance(feet, str) else list(feet)
+    told = {"verb": "lock_feet", "contacts": given, "feet": named, "speed": speed, "height": height, "release": release}
+    return recorded(made, (*clip.history, {**told, "measured": measured.to_json()}))  # type: ignore[return-value]
+
+
+# -- in call order ---------------------------------------------------------------------------------
+
+
+def _locked(motion: Motion, listed: Sequence[Contact], both: Sequence[Leg]) -> tuple[Motion, Strain]:
+    return locked(motion, np.zeros((motion.frames, 3)), listed, both)
+
+
+def _measured(
+    motion: Motion,
+    made: Motion,
+    listed: Sequence[Contact],
+    both: Sequence[Leg],
+    speed: float,
+    strain: Strain,
+    released: Sequence[Contact],
+) -> Locked:
+    names = {motion.skeleton.names[leg.ball] for leg in both}
+    balls = [contact for contact in listed if contact.joint in names]
+    none = Skate(0.0, 0.0, 1.0, 0.0, 0.0)
+    before, after = (skate(clip, balls, both, motion, speed) or none for clip in (motion, made))
+    return Locked(
+        stances=strain.stances,
+        changed=strain.changed,
+        speed_before=before.speed,
+        speed=after.speed,
+        drift_before=before.drift,
+        drift=after.drift,
+        kept=after.kept,
+        drop=strain.drop,
+        shift=strain.shift,
+        released=[contact.to_json() for contact in released],
+    )
+
+
+def _released(
+    motion: Motion, listed: Sequence[Contact], both: Sequence[Leg]
+) -> tuple[Motion, Strain, tuple[Contact, ...]]:
+    """The same without the contacts in which something was too much, and these."""
+    kept, gone = list(listed), list[Contact]()
+    for _ in range(TRIES):
+        made, strain = _locked(motion, kept, both)
+        bad = {contact for problem in strain.problems for contact in _at(problem, kept)}
+        if not bad:
+            break
+        kept = [contact for contact in kept if contact not in bad]
+        gone += bad
+    gone.sort(key=lambda contact: (contact.first, contact.joint))
+    if gone:
+        warnings.warn(
+            f"{len(gone)} of {len(listed)} contacts cannot be held and are let go, the first of {gone[0].joint!r} at "
+            f"frame {gone[0].first}",
+            stacklevel=3,
+        )
+    return made, strain, tuple(gone)
+
+
+def _at(problem: Problem, listed: Sequence[Contact]) -> list[Contact]:
+    """The contacts during a problem, or else the nearest ones."""
+    away = [max(contact.first - problem.last, problem.first - contact.last, 0) for contact in listed]
+    return [contact for contact, frames in zip(listed, away, strict=True) if frames == min(away)]

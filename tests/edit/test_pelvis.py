@@ -1,0 +1,89 @@
+"""The pelvis: the banded least squares is the dense one, nothing asked shifts nothing."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import mocurve as mc
+from mocurve.edit._hinge import Hinge, hinge_of
+from mocurve.edit._pelvis import BENDS, HURRIES, QUICKENS, SIDEWAYS, UP, Legs, shifted
+from mocurve.feet.legs import centimetres, legs
+from mocurve.kinematics import world, world_rotations
+
+DT = 1 / 120
+
+
+@pytest.fixture(scope="module")
+def hinges(jump: Path) -> list[Hinge]:
+    motion = mc.read(jump)
+    assert isinstance(motion, mc.Motion)
+    motion = motion[100:140]
+    parents, both = motion.skeleton.parents, legs(motion)
+    places = centimetres(motion) * world(motion)
+    return [
+        hinge_of(motion, leg, places, world_rotations(motion, [leg.hip, parents[leg.knee], leg.knee, leg.ankle]))
+        for leg in both
+    ]
+
+
+def pulling(hinges: list[Hinge]) -> list[tuple[Legs, np.ndarray]]:
+    weight = np.linspace(0.0, 1.0, len(hinges[0].hip))
+    return [
+        (Legs(hinge, hinge.hip, np.abs(hinge.flexion), weight), hinge.ankle + np.array([1.0, -2.0, 0.5 * side]))
+        for side, hinge in enumerate(hinges)
+    ]
+
+
+def test_the_band_is_the_dense_least_squares(hinges: list[Hinge]) -> None:
+    pulls, frames = pulling(hinges), len(hinges[0].hip)
+    at = 0.1 * np.sin(np.arange(3.0 * frames)).reshape(frames, 3)
+    none = np.zeros(frames, bool)
+    unit, rows, right = np.eye(3 * frames).reshape(3 * frames, frames, 3), [], []
+
+    def add(row: np.ndarray, value: float, tolerance: float) -> None:
+        rows.append(row / tolerance)
+        right.append(value / tolerance)
+
+    for f in range(frames):
+        for axis, size in enumerate((SIDEWAYS, UP, SIDEWAYS)):
+            add(unit[:, f, axis], 0.0, size)
+            if 0 < f < frames - 1:
+                second = unit[:, f - 1, axis] - 2 * unit[:, f, axis] + unit[:, f + 1, axis]
+                add(second, 0.0, HURRIES * DT**2)
+    for leg, target in pulls:
+        to = leg.hip + at - target
+        length = np.linalg.norm(to, axis=1)
+        bend, slope = leg.hinge.bend(length)
+        lines = np.einsum("kfa,fa->fk", unit, to * (slope / length)[:, None])
+        off = leg.wanted - bend + lines @ at.ravel()
+        for f in range(frames):
+            if leg.weight[f] > 0:
+                add(lines[f], off[f], BENDS / np.sqrt(leg.weight[f]))
+            if 0 < f < frames - 1:
+                tolerance = QUICKENS * DT**2 / np.sqrt(leg.weight[f]) if leg.weight[f] else np.inf
+                add(lines[f - 1] - 2 * lines[f] + lines[f + 1], off[f - 1] - 2 * off[f] + off[f + 1], tolerance)
+    expected = np.linalg.lstsq(np.array(rows), np.array(right), rcond=None)[0].reshape(frames, 3)
+    found = shifted(pulls, at, none, DT)
+    assert np.abs(expected).max() > 0.1
+    np.testing.assert_allclose(found, expected, atol=1e-8)
+
+
+def test_feet_where_they_are_shift_nothing(hinges: list[Hinge]) -> None:
+    frames = len(hinges[0].hip)
+    still = [
+        (Legs(h, h.hip, h.bend(np.linalg.norm(h.hip - h.ankle, axis=1))[0], np.ones(frames)), h.ankle) for h in hinges
+    ]
+    found = shifted(still, np.zeros((frames, 3)), np.zeros(frames, bool), DT)
+    np.testing.assert_allclose(found, 0.0, atol=1e-9)
+
+
+def test_where_it_is_fixed_the_pelvis_stays(hinges: list[Hinge]) -> None:
+    frames = len(hinges[0].hip)
+    fixed = np.arange(frames) < 12
+    found = shifted(pulling(hinges), np.zeros((frames, 3)), fixed, DT)
+    assert not found[fixed].any()
+    assert np.abs(found[~fixed]).max() > 0.1
+    assert np.abs(found[12]).max() < 0.1 * np.abs(found).max()
