@@ -1,8 +1,8 @@
 """Truths, jitter and artefacts for the benchmarks of denoising, and the best Butterworth filter that knows the truth.
 
 Truths: *lp6*, real clips low-passed at 6 Hz; *raw*, the same clips as they are (decimated without a filter); *impact*,
-synthetic joints with velocity kinks, ringing of 10-16 Hz and kicks of 120-160 ms. Two disjoint sets: parameters are
-chosen on `tune`, results are told for `held` too. Joints that come near gimbal lock or leap (a second difference over
+synthetic joints with velocity kinks, ringing of 10-16 Hz and kicks of 120-160 ms. Three disjoint sets: parameters are
+chosen on `tune`, results are told for `held` and `fresh` too, other joints and windows that were looked at last. Joints that come near gimbal lock or leap (a second difference over
 18 degrees at the clip's own rate) are not taken, nor the arms of the rokoko clip, which jump by 20 degrees and back
 within a few frames: the truth is to be a motion. All follows from the names and a seed.
 """
@@ -181,7 +181,7 @@ def with_noise(which: str, shape: str, clip: str, rate: int, fps: float, truth: 
 
 
 def cases(which: str = "tune", quick: bool = False, kinds: tuple[str, ...] | None = None) -> Iterator[Case]:
-    """Every case of the set `tune` or `held`: jitter, and each kind of artefact (all kinds, or those named).
+    """Every case of a set: jitter, and each kind of artefact (all kinds, or those named).
 
     quick: about a tenth of them.
     """
