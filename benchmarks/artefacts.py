@@ -71,17 +71,25 @@ def spikes(lengths: tuple[int, int], size: tuple[float, float], share: float) ->
     return put
 
 
-def bursts(rng: np.random.Generator, values: np.ndarray, groups: Groups) -> tuple[np.ndarray, np.ndarray]:
-    """Runs of 3 to 10 frames: off by a constant, or another curve."""
-    noisy, bad = values.copy(), np.zeros(values.shape, bool)
-    for joint, first, end in places(rng, len(values), groups, (3, 10), 0.005, 2):
-        constant = rng.random() < 0.5
-        for channel in some(rng, joint):
-            off = signed(rng, (12, 40), 1)[0]
-            wave = 0.0 if constant else 8 * np.sin(np.arange(end - first) * rng.uniform(0.3, 1.0))
-            noisy[first:end, channel] += off + wave
-            bad[first:end, channel] = True
-    return noisy, bad
+def bursts(forms: tuple[str, ...]) -> Kind:
+    """Runs of 3 to 10 frames of one of the forms: *offset*, off by a constant; *curve*, another curve; both in some
+    channels of the joint; *frozen*, the joint stands still."""
+
+    def put(rng: np.random.Generator, values: np.ndarray, groups: Groups) -> tuple[np.ndarray, np.ndarray]:
+        noisy, bad = values.copy(), np.zeros(values.shape, bool)
+        for joint, first, end in places(rng, len(values), groups, (3, 10), 0.005, 2):
+            form = forms[rng.integers(len(forms))]
+            if form == "frozen":
+                noisy[first:end, joint], bad[first:end, joint] = noisy[first - 1, joint], True
+                continue
+            for channel in some(rng, joint):
+                off = signed(rng, (12, 40), 1)[0]
+                wave = 8 * np.sin(np.arange(end - first) * rng.uniform(0.3, 1.0)) if form == "curve" else 0.0
+                noisy[first:end, channel] += off + wave
+                bad[first:end, channel] = True
+        return noisy, bad
+
+    return put
 
 
 def flips(rng: np.random.Generator, values: np.ndarray, groups: Groups) -> tuple[np.ndarray, np.ndarray]:
@@ -162,7 +170,8 @@ def gaps(rng: np.random.Generator, values: np.ndarray, groups: Groups) -> tuple[
 KINDS: dict[str, Kind] = {
     "spikes": spikes((1, 1), (12, 28), 0.01),
     "spikes 1-3": spikes((1, 3), (8, 30), 0.01),
-    "bursts": bursts,
+    "bursts": bursts(("offset", "curve", "frozen")),
+    "leaps": bursts(("offset", "curve")),  # bursts without frozen ones
     "flips": flips,
     "dropouts": dropouts,
     "lasting": lasting,

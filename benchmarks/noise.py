@@ -1,8 +1,9 @@
 """Truths, jitter and artefacts for the benchmarks of denoising, and the best Butterworth filter that knows the truth.
 
 Truths: *lp6*, real clips low-passed at 6 Hz; *raw*, the same clips as they are (decimated without a filter); *impact*,
-synthetic joints with velocity kinks, ringing of 10-16 Hz and kicks of 120-160 ms. Two disjoint sets: parameters are
-chosen on `tune`, results are told for `held` too. Joints that come near gimbal lock or leap (a second difference over
+synthetic joints with velocity kinks, ringing of 10-16 Hz and kicks of 120-160 ms. Three disjoint sets: parameters are
+chosen on `tune`, results are told for `held` and `fresh` too, the latter looked at last. Joints that come near
+gimbal lock or leap (a second difference over
 18 degrees at the clip's own rate) are not taken, nor the arms of the rokoko clip, which jump by 20 degrees and back
 within a few frames: the truth is to be a motion. All follows from the names and a seed.
 """
@@ -61,7 +62,23 @@ HELD = {
     "sideways": Source("cmu/cmu_09_12.amc", 400, ("upperneck", "rfoot", "thorax")),
     "martial, later": Source("cmu/cmu_135_04_martial_daz.bvh", 700, ("lThigh", "lShldr", "rFoot")),
 }
-SETS = {"tune": TUNE, "held": HELD}
+FRESH = {
+    "jump, middle": Source("cmu/cmu_01_01_jump.bvh", 660, ("RightFoot", "LeftLeg", "Neck1")),
+    "walk, other side": Source("cmu/cmu_12_01_walk.bvh", 1, ("RightUpLeg", "LeftLeg", "RightForeArm")),
+    "martial, middle": Source("cmu/cmu_135_04_martial_daz.bvh", 330, ("rShldr", "lForeArm", "hip")),
+    "dance, end": Source("cmu/cmu_05_20_dance_motionbuilder.bvh", 496, ("LeftLeg", "RightForeArm", "Neck1")),
+    "indian, start": Source("cmu/cmu_94_01_dance_max.bvh", 200, ("LeftElbow", "RightHip", "LeftAnkle")),
+    "indian, end": Source("cmu/cmu_94_01_dance_max.bvh", 3000, ("RightKnee", "LeftHip", "Neck")),
+    "stroll, other side": Source("cmu/cmu_02_01.amc", 0, ("lfemur", "rtibia", "lradius")),
+    "run, other side": Source("cmu/cmu_02_03.amc", 0, ("rfemur", "lhumerus", "rradius")),
+    "walk 16, other side": Source("cmu/cmu_16_15.amc", 60, ("rfemur", "ltibia", "lradius")),
+    "run 16, other side": Source("cmu/cmu_16_41.amc", 0, ("lfemur", "rhumerus", "rfoot")),
+    "run 9, other side": Source("cmu/cmu_09_01.amc", 0, ("rfemur", "ltibia", "lradius")),
+    "sideways, end": Source("cmu/cmu_09_12.amc", 1300, ("lfemur", "rtibia", "rradius")),
+    "walk19, other side": Source("cmu/cmu_walk_daz19.bvh", 8, ("LeftShoulder", "RightHip", "LeftElbow")),
+    "rokoko, end": Source("other/rokoko_dance_fingers.bvh", 400, ("Head", "LeftToeBase")),
+}
+SETS = {"tune": TUNE, "held": HELD, "fresh": FRESH}
 
 
 class Case(NamedTuple):
@@ -165,7 +182,7 @@ def with_noise(which: str, shape: str, clip: str, rate: int, fps: float, truth: 
 
 
 def cases(which: str = "tune", quick: bool = False, kinds: tuple[str, ...] | None = None) -> Iterator[Case]:
-    """Every case of the set `tune` or `held`: jitter, and each kind of artefact (all kinds, or those named).
+    """Every case of a set: jitter, and each kind of artefact (all kinds, or those named).
 
     quick: about a tenth of them.
     """

@@ -15,6 +15,7 @@ import numpy as np
 from .. import progress
 from . import artefacts, smoothing, steps
 from .artefacts import Body
+from .bursts import bursts
 from .smoothing import Strength
 
 PASSES = 2  # the second sees the samples minus a fit, where the motion's own curvature is gone
@@ -96,7 +97,11 @@ def clean(
         filled = bridged(y, lost | frozen | leapt)
         moved = sorted({part.channel for part in displaced})
         level[moved] = artefacts.noise_level(filled[moved])
-        bad, near = _found(y, filled, lost | frozen | leapt, level, groups, pools, body, turns, strength, fps)
+        filled_in = lost | frozen | leapt
+        bad, near = _found(y, filled, filled_in, level, groups, pools, body, turns, strength, fps)
+        if y.shape[1] >= 2 * SHORTEST:
+            near, _ = _strength(filled, bad, pools, strength, near, level)
+            bad = bursts(filled, near, bad, filled_in, groups, body, turns)
     else:
         bad = np.ascontiguousarray(known.T) | lost
         frozen &= bad
