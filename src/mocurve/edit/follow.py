@@ -23,7 +23,7 @@ from ..path_fit import fitted, gone, lead, roots
 from ..path_length import LengthTable
 from . import _bearing
 from ._along import ENDS, STRIDES, Course, Way, way
-from ._carry import Plan, at_frames, carried, laid
+from ._carry import Plan, at_frames, carried_out, laid
 from ._facing import progress
 from ._pair import check_mode, complete, recorded, tell_sampled
 from ._repeat import repeated
@@ -285,17 +285,17 @@ def _turned(base: Motion, found: Way, some: np.ndarray, old: np.ndarray, new: np
 def _made(base: Motion, plan: Plan, found: Way, lock_feet: bool, ahead: int) -> tuple[Motion, Steps | None]:
     """The base carried as planned, its feet held if that is asked for and something is not carried as one."""
     if not lock_feet:
-        return carried(base, plan), None
+        return carried_out(base, plan), None
     parts = []
     for run in _bearing.runs(found.cycle):  # no foot stands from one beginning of the motion into the next
         parts.append(stepping(base[run], plan.by[run], ahead + run.start))
     made = replace(base, values=np.concatenate([part.values for part, _ in parts]), report=None)
-    return carried(made, plan._replace(by=np.zeros_like(plan.by))), Steps.of([steps for _, steps in parts])
+    return carried_out(made, plan._replace(by=np.zeros_like(plan.by))), Steps.of([steps for _, steps in parts])
 
 
 def _with_lead(made: Motion, first: Motion, plan: Plan) -> Motion:
     """The T-pose in front again, moved as the first frame is."""
-    values = np.concatenate([carried(first, plan).values, made.values])
+    values = np.concatenate([carried_out(first, plan).values, made.values])
     return replace(made, values=values)
 
 
