@@ -12,9 +12,12 @@ import numpy as np
 
 from .. import hermite
 from ..errors import Mismatch, OptionError
+from ..motion import Motion
 from ..path import Path
+from ..path_fit import roots
 from ..path_length import LengthTable
 
+LOOKED_AT = 500  # frames, to tell how far the root is from its path
 SETTLE = 0.5  # seconds in which a motion comes to rest
 STRIDES = (0.6, 1.15)  # times the source's: beyond, more of a span's new length goes into time
 SAME = 1e-9  # of a length: control points as near have not been moved, and ends as near are reached
@@ -22,11 +25,20 @@ SAME = 1e-9  # of a length: control points as near have not been moved, and ends
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """A path and where along it the frames of a motion are: distances (F,), which do not fall."""
+    """A path, where along it the frames of a motion are: distances (F,), which do not fall; and how far the root is
+    from there, root mean square."""
 
     path: Path
     table: LengthTable
     distance: np.ndarray
+    residual: float = 0.0
+
+    @classmethod
+    def of(cls, body: Motion, path: Path, table: LengthTable, distance: np.ndarray) -> Course:
+        """The course of a body along its path."""
+        some = np.arange(0, body.frames, max(1, body.frames // LOOKED_AT))
+        away = roots(body)[some][:, [0, 2]] - path.at(distance[some], table)[0][:, [0, -1]]
+        return cls(path, table, distance, float(np.sqrt(np.mean((away**2).sum(axis=1)))))
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,16 +23,17 @@ def carried(motion: Motion, carry: np.ndarray, lift: np.ndarray | None = None) -
     Frames for which nothing is asked keep their values. Mismatch where a root has no channels to go or turn by.
     """
     up = np.zeros(len(carry)) if lift is None else lift
-    moves = np.flatnonzero(carry.any(axis=1) | (up != 0))
-    if not len(moves):
+    asked = np.flatnonzero(carry.any(axis=1) | (up != 0))
+    if not len(asked):
         return replace(motion, report=None)
     skeleton, values = motion.skeleton, np.array(motion.values, order="F")
-    moves = slice(int(moves[0]), int(moves[-1]) + 1) if len(moves) == np.ptp(moves) + 1 else moves
-    carry, up = carry[moves], up[moves]
+    whole = len(asked) == np.ptp(asked) + 1
+    moves: slice | np.ndarray = slice(int(asked[0]), int(asked[-1]) + 1) if whole else asked
+    carry, up, eulers = carry[moves], up[moves], skeleton.eulers
     for root in np.flatnonzero(skeleton.parents < 0).tolist():
         if root not in skeleton.parents and not skeleton.channels[root]:
             continue
-        columns, order = skeleton.eulers[root]
+        columns, order = eulers[root]
         shifts = shifting(skeleton, root)
         turning = bool(carry[:, 0].any())
         lacking = "position" if shifts is None else "rotation" if turning and len(columns) < 3 else None
@@ -45,7 +46,7 @@ def carried(motion: Motion, carry: np.ndarray, lift: np.ndarray | None = None) -
                 values[moves, axis] = there
             values[moves, shifts[1]] += up
         if turning and len(columns) == 3:
-            _turn(values, motion, root, np.arange(len(values))[moves], carry)
+            _turn(values, motion, (root, columns, order), np.arange(len(values))[moves], carry)
     return replace(motion, values=values, report=None)
 
 
@@ -83,8 +84,9 @@ def set_anew(
         above = world_rotations(replace(motion, values=motion.values[frames]), [parent])[:, 0]
         shift = rotation.rotate(rotation.inv(above), shift)
     values[frames[:, None], columns] += shift
+    eulers = skeleton.eulers
     for place, wxyz in turns.items():
-        own, order = skeleton.eulers[place]
+        own, order = eulers[place]
         if own:
             before = values[frames[:, None], own]
             values[frames[:, None], own] = rotation.near_euler(rotation.to_euler(wxyz, order), order, before)
@@ -94,9 +96,12 @@ def set_anew(
 # -- in call order ---------------------------------------------------------------------------------
 
 
-def _turn(values: np.ndarray, motion: Motion, root: int, frames: np.ndarray, carry: np.ndarray) -> None:
-    """Turn a root in `values` about the vertical, at frames (N,) by carries (N, 3), where these do."""
-    columns, order = motion.skeleton.eulers[root]
+def _turn(
+    values: np.ndarray, motion: Motion, joint: tuple[int, list[int], str], frames: np.ndarray, carry: np.ndarray
+) -> None:
+    """Turn a root (with its columns and their order) in `values` about the vertical, at frames (N,) by carries (N, 3),
+    where these do."""
+    root, columns, order = joint
     turns = carry[:, 0] != 0
     before = motion.values[frames][:, columns]
     turned = rotation.mul(planar.quaternion(carry), rotation.from_euler(before, order))

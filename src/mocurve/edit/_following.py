@@ -9,14 +9,11 @@ from typing import Any
 import numpy as np
 
 from ..motion import Motion
-from ..path_fit import roots
 from ..path_length import LengthTable
 from . import _bearing
 from ._along import STRIDES, Course, Way
 from ._seams import centimetres
 from ._steps import Steps
-
-LOOKED_AT = 500  # frames, to tell how far the root is from its path
 
 
 @dataclass(frozen=True)
@@ -77,18 +74,15 @@ def measured(
     """What became of a base that was laid along a path (`made`, with a T-pose in front or not)."""
     length = centimetres(base)
     scale = length or 1.0
-    some = np.arange(0, base.frames, max(1, base.frames // LOOKED_AT))
-    place = course.path.at(found.own[some], course.table)[0][:, [0, -1]]
-    away = np.linalg.norm(roots(base)[some][:, [0, 2]] - place, axis=1)
     ahead = made.frames - base.frames
-    moved = ahead + np.flatnonzero((made.values[ahead:] != base.values).any(axis=1))
+    moved = ahead + np.flatnonzero(_differ(made.values[ahead:], base.values))
     return Following(
         unit="cm" if length else "units",
         own_length=scale * course.table.length,
         length=scale * table.length,
         travelled=scale * sum(float(np.abs(np.diff(found.distance[run])).sum()) for run in _bearing.runs(found.cycle)),
         beyond=scale * float(np.ptp(found.distance) - np.ptp(np.clip(found.distance, 0.0, table.length))),
-        residual=scale * float(np.sqrt(np.mean(away**2))),
+        residual=scale * course.residual,
         frames=made.frames,
         cycles=cycles,
         stride=found.stride,
@@ -109,3 +103,11 @@ def tell(measured: Following) -> None:
             f"the rest goes into time, {measured.slower:.3g} times as much",
             stacklevel=3,
         )
+
+
+def _differ(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """(F,) frames in which values (F, C) are not the same; channel after channel, as they are stored."""
+    found = np.zeros(len(a), bool)
+    for mine, other in zip(a.T, b.T, strict=True):
+        found |= mine != other
+    return found

@@ -1,9 +1,9 @@
 """Where feet are to be while the body is carried elsewhere: footprints stay, swings go with the body.
 
-carry (F, 4) takes the body of each frame elsewhere: angle, x, z, and how far up. A foot that stands is taken by one transform for the whole contact,
-the mean of the carries over it (Gleicher 2001, Motion path editing, section 4, freezes one), and so does not move. What
-this leaves between the foot and its carried body is, in the body's frame, led through the swings: the swinging foot
-follows the body.
+carry (F, 4) takes the body of each frame elsewhere: angle, x, z, and how far up. A foot that stands is taken by one
+transform for the whole contact, the mean of the carries over it (Gleicher 2001, Motion path editing, section 4, freezes
+one), and so does not move. What this leaves between the foot and its carried body is, in the body's frame, led through
+the swings: the swinging foot follows the body.
 """
 
 from __future__ import annotations

@@ -267,19 +267,23 @@ def _legs_set(
     cm, the ankles fall short."""
     turns: dict[int, np.ndarray] = {}
     short = np.zeros((len(sides), len(carry)))
-    back = rotation.inv(planar.quaternion(carry))
+    within = slice(*(np.flatnonzero(active)[[0, -1]] + [0, 1]).tolist())
+    some, heading = active[within], carry[within, 0]
+    back = rotation.inv(planar.quaternion(carry[within]))
     for i, (side, pull, aim) in enumerate(zip(sides, pulls, aims, strict=True)):
-        hinge, leg = side.hinge, side.leg
-        whole, knee, short[i] = reached(
-            hinge, pull.hip + shift, aim.ankle, aim.yaw, carry[:, 0], pull.wanted, side.stances.exact
+        hinge, leg, yaw = side.hinge.cut(within), side.leg, aim.yaw[within]
+        hip, goal = pull.hip[within] + shift[within], aim.ankle[within]
+        whole, knee, short[i, within] = reached(
+            hinge, hip, goal, yaw, heading, pull.wanted[within], side.stances.exact[within]
         )
         above = rotation.mul(back, whole)
-        turns[leg.hip] = rotation.mul(rotation.inv(side.above), rotation.mul(above, hinge.thigh))
+        bent = rotation.mul(knee, rotation.inv(hinge.knee))
+        turns[leg.hip] = rotation.mul(rotation.inv(side.above[within]), rotation.mul(above, hinge.thigh))
         turns[leg.knee] = rotation.mul(knee, rotation.mul(rotation.inv(hinge.knee), hinge.shin))
-        shin = rotation.mul(whole, rotation.mul(hinge.knee, rotation.mul(knee, rotation.inv(hinge.knee))))
-        foot = rotation.mul(planar.quaternion(np.stack([aim.yaw] + [0.0 * aim.yaw] * 2, axis=1)), hinge.foot)
-        turns[leg.ankle] = rotation.mul(rotation.inv(rotation.mul(shin, side.shank)), foot)
-    return {joint: turned[active] for joint, turned in turns.items()}, short
+        shin = rotation.mul(whole, rotation.mul(hinge.knee, bent))
+        foot = rotation.mul(planar.quaternion(yaw[:, None]), hinge.foot)
+        turns[leg.ankle] = rotation.mul(rotation.inv(rotation.mul(shin, side.shank[within])), foot)
+    return {joint: turned[some] for joint, turned in turns.items()}, short
 
 
 def _taken(

@@ -158,9 +158,9 @@ def stepping(
         balls = {base.skeleton.names[leg.ball] for leg in feet.legs}
         raised, apart = rise(carry, [contact for contact in listed if contact.joint in balls], *lines)
         lift = raised.body
-    touched, plain = _touched(carry, lift) | apart, carried(base, carry, lift)
+    touched = _touched(carry, lift) | apart
     if not touched.any():
-        return plain, None
+        return carried(base, carry, lift), None
     span = slice(0, base.frames)
     if source is None:
         span = _around(touched, listed, round(NEAR / base.frame_time))
@@ -176,7 +176,9 @@ def stepping(
         return made, strain.later(near.start)
 
     made, strain, gone, asked = released(listed, hold)
-    values = np.array(plain.values, order="F")
+    moved = carry.any(axis=1) | (lift != 0)
+    elsewhere = moved[: inner.start].any() or moved[inner.stop :].any()
+    values = np.array((carried(base, carry, lift) if elsewhere else base).values, order="F")
     values[inner] = made.values
     met = [contact for contact in listed if touched[span][contact.first : contact.last + 1].any()]
     own, slid, now = _sliding(part, carry[inner], made, _within(met, near))
@@ -188,7 +190,7 @@ def stepping(
     )
     if asked:
         _tell(asked, steps, base.frame_time)
-    return replace(plain, values=values), steps
+    return replace(base, values=values, report=None), steps
 
 
 # -- in call order ---------------------------------------------------------------------------------

@@ -170,7 +170,7 @@ def course_of(body: Motion, ahead: int, path: Path | None, of: Path | None) -> C
         return last
     own = of or fitted(body, (path and path.fit) or Fit())
     table = own.table()
-    return Course(own, table, table.distance(gone(body)))
+    return Course.of(body, own, table, table.distance(gone(body)))
 
 
 # -- in call order ---------------------------------------------------------------------------------
@@ -195,7 +195,7 @@ def _laid_last(body: Motion, ahead: int) -> Course | None:
     if (np.diff(distance) < 0).any():
         return None
     own = of_json(step["path"])
-    return Course(own, own.table(), distance[ahead:])
+    return Course.of(body, own, own.table(), distance[ahead:])
 
 
 def _found(
