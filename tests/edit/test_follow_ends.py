@@ -244,7 +244,7 @@ def test_markers_follow_too() -> None:
         (UnknownName, SHORT, {"mode": "arclen"}, "Did you mean 'arclength'?"),
         (UnknownName, SHORT, {"at_end": "cicle"}, "Did you mean 'cycle'?"),
         (UnknownName, SHORT, {"heading": "tangnt"}, "Did you mean 'tangent'?"),
-        (UnknownName, SHORT, {"posture": "up"}, "There is: upright, tangent"),
+        (UnknownName, SHORT, {"posture": "up"}, "There is: upright, lift, tangent"),
         (OptionError, SHORT, {"mode": "time", "at_end": "stop"}, "at_end stop is for mode arclength"),
         (OptionError, SHORT, {"mode": "time", "heading": "facing"}, "heading facing is for mode arclength"),
         (OptionError, SHORT, {"at_end": "cycle", "of": mc.Path(LONG)}, "leave `of` out"),

@@ -12,17 +12,21 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d
 
 from .. import hermite, planar
 from ..feet.contacts import Contact
 from ..path import Path
 from ..path_length import LengthTable
-from ._footprints import Prints
+from ._footprints import Prints, Targets
+from ._hinge import STRAIGHT
+from ._pelvis import Legs
 from ._stances import Stances
 
 STEEPEST = np.radians(45.0)  # nobody stands on what is steeper
 BESIDE = 12  # steps towards the place of a path that a foot is beside
 MERGED = 0.2  # of the body's mean way between two stances: nearer ones count as one
+LOWER, LOWERS = 5.0, 0.25  # cm that hips are lower on a slope at most; seconds around
 NOTHING = 1e-9  # of the path's size: lifts that are as small are none
 
 
@@ -92,6 +96,22 @@ class Ground:
         off, uneven = np.abs(self.carry[inside, 3] - lift[stances.of[inside]]), prints.uneven.copy()
         np.maximum.at(uneven, stances.of[inside], off)
         return replace(prints, lift=lift, uneven=uneven)
+
+    def takes(self, legs: Sequence[Legs], aims: Sequence[Targets], moves: np.ndarray) -> np.ndarray:
+        """How far (F,), cm, a slope itself takes the hips down, up to LOWER: until a leg that is all but straight
+        reaches down to its foot, wherever a foot stands anew (`moves`, (2, F)), and for a while around. On level ground
+        nothing."""
+        need = np.zeros(len(self.carry))
+        if not np.ptp(self.carry[:, 3]) > NOTHING:
+            return need
+        for leg, aim, stands in zip(legs, aims, moves, strict=True):
+            to = leg.hip - aim.ankle
+            most = leg.hinge.length(np.maximum(leg.wanted, STRAIGHT))
+            over = to[:, 1] - np.sqrt(np.maximum(most**2 - to[:, 0] ** 2 - to[:, 2] ** 2, 0.0))
+            need = np.maximum(need, np.where(stands, over, 0.0))
+        wide = 2 * max(1, round(LOWERS / self.frame_time)) + 1
+        found: np.ndarray = maximum_filter1d(np.clip(need, 0.0, LOWER), wide, mode="nearest")
+        return found
 
 
 def rise(carry: np.ndarray, contacts: Sequence[Contact], new: Line, own: Line | None) -> tuple[Rise, np.ndarray]:

@@ -24,7 +24,7 @@ from ._clearance import cleared
 from ._footprints import Prints, Targets, prints, relieved, targets
 from ._heights import Ground, Rise
 from ._hinge import Hinge, hinge_of, reached
-from ._pelvis import Legs, shifted
+from ._pelvis import UP, Legs, shifted
 from ._reach import Strain
 from ._stances import FAR, STILL, Stances, near, stances, wanted
 from ._swings import REACH
@@ -140,13 +140,13 @@ def held(
     marks = [mark.cut(kept) for mark, (_, kept) in zip(marks, parts, strict=True)]
     even = bool(np.abs(np.diff(carry, axis=0)).max(initial=0.0) < 1e-9)
     carry, moves, active, free = carry[window], moves[:, window], active[window], free[window]
-    pulls = [_pull(side, carry, own, base.frame_time) for side, own in zip(sides, moves, strict=True)]
-    shift, aims = _solved(sides, marks, pulls, ground.cut(window), ~free)
+    shift, aims, pulls, takes = _solved(sides, marks, moves, ground.cut(window), ~free)
     turns, short = _legs_set(sides, pulls, aims, shift, carry, active)
     lead += window.start
     made = set_anew(made, source.bearer, shift[active] / source.scale, turns, lead + np.flatnonzero(active))
     places = source.scale * world(made[lead : lead + len(carry)])
     tracks = _taken(sides, aims, places, shift, carry[:, 0], moves, short)
+    tracks["drop"] = tracks["drop"] - takes
     return made, Strain.of(*counts, tracks, even, base.frame_time).later(lead)
 
 
@@ -212,31 +212,36 @@ def _context(sides: Sequence[Side], active: np.ndarray) -> slice:
     return slice(max(min(firsts) - 2, 0), min(max(ends) + 2, len(active)))  # two frames in which nothing is shifted
 
 
-def _pull(side: Side, carry: np.ndarray, changed: np.ndarray, frame_time: float) -> Legs:
-    """How a leg with these changed stances (F,) pulls at the body that is carried."""
-    aim = wanted(side.hinge, near(changed, frame_time, FAR))
-    hip = planar.move(carry, side.hinge.hip)
-    hip[:, 1] += carry[:, 3]
-    return Legs(side.hinge, hip, aim, side.stances.minded)
-
-
 def _solved(
-    sides: Sequence[Side], marks: Sequence[Prints], pulls: Sequence[Legs], ground: Ground, fixed: np.ndarray
-) -> tuple[np.ndarray, list[Targets]]:
-    """The shift of the pelvis (F, 3), cm, and where the feet are to be."""
+    sides: Sequence[Side], marks: Sequence[Prints], moves: np.ndarray, ground: Ground, fixed: np.ndarray
+) -> tuple[np.ndarray, list[Targets], list[Legs], np.ndarray]:
+    """The shift of the pelvis (F, 3), cm, where the feet are to be, how the legs pull, and how far (F,) a slope takes
+    the hips down. moves: (2, F) frames in which a foot stands anew."""
     marks, shift = list(marks), np.zeros((len(fixed), 3))
     pinned = [side.stances.pinned(ground.frame_time) for side in sides]
     aims = _aims(sides, marks, pinned, ground)
+    pulls = [_pull(*part, ground) for part in zip(sides, aims, pinned, moves, strict=True)]
+    takes = ground.takes(pulls, aims, moves)
+    up = UP + takes.max(initial=0.0)
     for turn in range(ROUNDS):
         pairs = [(pull, aim.ankle) for pull, aim in zip(pulls, aims, strict=True)]
-        shift = shifted(pairs, shift, fixed, ground.frame_time)
+        shift = shifted(pairs, shift, fixed, ground.frame_time, up)
         if turn < MOVING:
             marks = [
                 ground.raised(relieved(mark, s.stances, s.hinge, pull.hip + shift, aim.ankle, pull.wanted), s.stances)
                 for mark, s, aim, pull in zip(marks, sides, aims, pulls, strict=True)
             ]
             aims = _aims(sides, marks, pinned, ground)
-    return shift, aims
+    return shift, aims, pulls, takes
+
+
+def _pull(side: Side, aim: Targets, pinned: np.ndarray, changed: np.ndarray, ground: Ground) -> Legs:
+    """How a leg with these changed stances (F,) pulls at the body that is carried."""
+    hip = planar.move(ground.carry, side.hinge.hip)
+    hip[:, 1] += ground.carry[:, 3]
+    higher = aim.ball[:, 1] - pinned[:, 1] - ground.carry[:, 3]  # than the body, as a slope has it
+    bends = wanted(side.hinge, near(changed, ground.frame_time, FAR), higher if ground.rise is not None else None)
+    return Legs(side.hinge, hip, bends, side.stances.minded)
 
 
 def _aims(
@@ -295,14 +300,15 @@ def _taken(
     moves: np.ndarray,
     short: np.ndarray,
 ) -> dict[str, np.ndarray]:
-    """What was taken of each kind of `_reach.LIMITS` in every frame (F,), measured on the places (F, J, 3), cm."""
+    """What was taken of each kind of `_reach.LIMITS` in every frame, (F,) or of both legs (2, F), measured on the
+    places (F, J, 3), cm."""
     off = [np.linalg.norm(places[:, s.leg.ball] - aim.ball, axis=1) for s, aim in zip(sides, aims, strict=True)]
     turned = [np.degrees(np.abs(aim.yaw - heading)) for aim in aims]
     swings = np.array([side.stances.of < 0 for side in sides])
     return {
         "drop": -shift[:, 1],
         "shift": np.linalg.norm(shift[:, [0, 2]], axis=1),
-        "twist": np.where(moves, turned, 0.0).max(axis=0),
-        "miss": np.where(moves, off, 0.0).max(axis=0),
-        "short": np.where(swings, np.abs(short), 0.0).max(axis=0),
+        "twist": np.where(moves, turned, 0.0),
+        "miss": np.where(moves, off, 0.0),
+        "short": np.where(swings, np.abs(short), 0.0),
     }

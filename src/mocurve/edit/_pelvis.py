@@ -27,12 +27,14 @@ class Legs:
         self.hinge, self.hip, self.wanted, self.weight = hinge, hip, wanted, weight
 
 
-def shifted(legs: list[tuple[Legs, np.ndarray]], at: np.ndarray, fixed: np.ndarray, frame_time: float) -> np.ndarray:
+def shifted(
+    legs: list[tuple[Legs, np.ndarray]], at: np.ndarray, fixed: np.ndarray, frame_time: float, up: float = UP
+) -> np.ndarray:
     """The best shift (F, 3), the knees linear about the shift `at`. legs: each with its ankle targets (F, 3). Where
-    `fixed` (F,) the shift is none."""
+    `fixed` (F,) the shift is none. up: its tolerance in height, cm."""
     frames = len(at)
     band, right = np.zeros((3 * frames + BAND - 1, BAND)), np.zeros(3 * frames + BAND - 1)
-    tolerances = np.array([SIDEWAYS, UP, SIDEWAYS]) ** -2.0
+    tolerances = np.array([SIDEWAYS, up, SIDEWAYS]) ** -2.0
     _quiet(band, fixed, tolerances, (HURRIES * frame_time**2) ** -2.0)
     for leg, target in legs:
         to = leg.hip + at - target

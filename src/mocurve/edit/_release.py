@@ -12,15 +12,18 @@ TRIES = 20  # times that contacts are let go; after that all are
 
 
 def released(
-    listed: Sequence[Contact], hold: Callable[[Sequence[Contact]], tuple[Motion, Strain]]
+    listed: Sequence[Contact], feet: Sequence[Sequence[str]], hold: Callable[[Sequence[Contact]], tuple[Motion, Strain]]
 ) -> tuple[Motion, Strain, tuple[Contact, ...], tuple[Problem, ...]]:
     """What `hold` makes of the contacts in which nothing is too much, and what that takes; the contacts that are let
-    go, in the order of their first frames; and what was too much with all of them."""
+    go, in the order of their first frames; and what was too much with all of them. feet: names of ball and ankle of
+    each leg.
+
+    The worst goes first: what is too much near something worse may be mended with it."""
     kept, gone = list(listed), set[Contact]()
     made, strain = hold(kept)
     asked = strain.problems
     for turn in range(TRIES):
-        bad = {contact for problem in strain.problems for contact in _at(problem, kept)}
+        bad = {contact for problem in _apart(strain.problems) for contact in _at(problem, kept, feet)}
         if not bad:
             break
         gone |= bad if turn < TRIES - 1 else set(kept)
@@ -32,7 +35,17 @@ def released(
 # -- in call order ---------------------------------------------------------------------------------
 
 
-def _at(problem: Problem, listed: Sequence[Contact]) -> list[Contact]:
-    """The contacts during a problem, or else the nearest ones."""
-    away = [max(contact.first - problem.last, problem.first - contact.last, 0) for contact in listed]
-    return [contact for contact, frames in zip(listed, away, strict=True) if frames == min(away)]
+def _apart(problems: Sequence[Problem]) -> list[Problem]:
+    """Of problems, the worst first, those that overlap none worse."""
+    found: list[Problem] = []
+    for problem in problems:
+        if all(problem.last < worse.first or worse.last < problem.first for worse in found):
+            found.append(problem)
+    return found
+
+
+def _at(problem: Problem, listed: Sequence[Contact], feet: Sequence[Sequence[str]]) -> list[Contact]:
+    """The contacts during a problem, or else the nearest ones; of its own leg, if it has one that still stands."""
+    own = [contact for contact in listed if problem.side >= 0 and contact.joint in feet[problem.side]] or listed
+    away = [max(contact.first - problem.last, problem.first - contact.last, 0) for contact in own]
+    return [contact for contact, frames in zip(own, away, strict=True) if frames == min(away)]

@@ -23,6 +23,10 @@ STILL = 0.01  # cm and cm/s: a ball that moves less while it stands is held alre
 DIE = 0.08  # seconds within which speeds of the source's sliding die out of a swing
 NEAR, FAR = 0.10, 0.35  # seconds from a contact: the leg reaches exactly; the pelvis minds the knee
 FLOOR, ROUND = np.radians(7.0), np.radians(3.0)  # flexion of the knee that is wanted at least, and how softly
+SLOPES, STEP = (
+    np.radians(10.0),
+    3.0,
+)  # so much more where the foot is so many cm higher or lower, or further, than the body
 SWING = 0.1  # seconds: the shortest swing that a heel contact leaves
 GROUND = [0, 2]
 
@@ -132,11 +136,20 @@ def stances(
     return Stances(spans, of, places, placed, changed, ball, error, exact, minded)
 
 
-def wanted(hinge: Hinge, weight: np.ndarray) -> np.ndarray:
+def wanted(hinge: Hinge, weight: np.ndarray, higher: np.ndarray | None = None) -> np.ndarray:
     """Flexion (F,) of the knee that is aimed at: the source's, near stances that change never quite straight, where a
-    little of the leg's length would cost much of the knee's turn."""
-    floor = FLOOR + ROUND * np.logaddexp(0.0, (hinge.flexion - FLOOR) / ROUND)
-    return hinge.flexion + weight * (floor - hinge.flexion)
+    little of the leg's length would cost much of the knee's turn. higher: (F,) cm by which the foot is nearer to the
+    hip, on a slope: so much more the knee bends."""
+    flexion, floor_at = hinge.flexion, np.full(len(weight), FLOOR)
+    if higher is not None:
+        to = hinge.hip - hinge.ankle
+        to[:, 1] -= higher
+        least = np.minimum(hinge.flexion, FLOOR)  # lower than straight no leg reaches: the hips do
+        there = hinge.bend(np.linalg.norm(to, axis=1))[0] - hinge.bend(hinge.length(flexion))[0]
+        flexion = np.maximum(flexion + there, least)
+        floor_at = FLOOR + SLOPES * np.minimum(np.abs(higher) / STEP, 1.0)
+    floor = floor_at + ROUND * np.logaddexp(0.0, (flexion - floor_at) / ROUND)
+    return flexion + weight * (floor - flexion)
 
 
 def near(mask: np.ndarray, frame_time: float, seconds: float) -> np.ndarray:

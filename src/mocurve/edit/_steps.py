@@ -12,11 +12,11 @@ import numpy as np
 from .. import planar
 from ..errors import MocurveError
 from ..feet.contacts import Contact, found, slowness
-from ..feet.legs import Leg, legs, tracks
+from ..feet.legs import Leg, feet_of, legs, tracks
 from ..kinematics import world
 from ..motion import Motion
 from ._body import carried
-from ._heights import Line, rise, steep
+from ._heights import Line, rise
 from ._locking import Source, held, source_of
 from ._reach import LIMITS, Problem, Strain
 from ._release import released
@@ -152,9 +152,7 @@ def stepping(
         return carried(base, carry, lift), None
     listed, source = feet.shown(base, frames)
     raised, apart = None, np.zeros(len(carry), bool)
-    if lines is not None and steep(lines[0]):
-        warnings.warn("the path is steeper than 45 degrees: feet are lifted as the body is", stacklevel=4)
-    elif lines is not None:
+    if lines is not None:
         balls = {base.skeleton.names[leg.ball] for leg in feet.legs}
         raised, apart = rise(carry, [contact for contact in listed if contact.joint in balls], *lines)
         lift = raised.body
@@ -175,7 +173,7 @@ def stepping(
         made, strain = held(known, carry[inner], touched[inner], rises)
         return made, strain.later(near.start)
 
-    made, strain, gone, asked = released(listed, hold)
+    made, strain, gone, asked = released(listed, feet_of(base, feet.legs), hold)
     moved = carry.any(axis=1) | (lift != 0)
     elsewhere = moved[: inner.start].any() or moved[inner.stop :].any()
     values = np.array((carried(base, carry, lift) if elsewhere else base).values, order="F")

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..feet.contacts import Contact, found, positive, read_contacts, slowness
-from ..feet.legs import Leg, legs
+from ..feet.legs import Leg, feet_of, legs
 from ..feet.skate import Skate, skate
 from ..motion import Clip, Motion
 from ._locking import held, source_of
@@ -128,7 +128,9 @@ def _held(
     if not release:
         return *held(source, still), ()
     made, strain, gone, _ = released(
-        listed, lambda kept: held(source if len(kept) == len(listed) else source.standing(kept), still)
+        listed,
+        feet_of(motion, both),
+        lambda kept: held(source if len(kept) == len(listed) else source.standing(kept), still),
     )
     if gone:
         warnings.warn(

@@ -26,7 +26,7 @@ from ._along import ENDS, Course, Way, way
 from ._carry import Plan, at_frames, carried_out, laid
 from ._facing import progress
 from ._following import measured, tell
-from ._heights import Line
+from ._heights import Line, steep
 from ._pair import check_mode, complete, recorded, tell_sampled
 from ._repeat import repeated
 from ._steps import Feet, Steps, stepping
@@ -97,7 +97,7 @@ class PathEdit:
         found, back = _found(body, course, given, table, (mode, at_end, heading))
         base = at_frames(body, found.frame)
         plan = _planned(base, course, given, table, found, back, posture)
-        lines = _lines(course, given, table, found) if posture == "upright" else None
+        lines = _lines(course, given, table, found) if posture == "upright" and feet is not None else None
         made, steps = _made(base, plan, found, feet, lines, ahead)
         frames = found.frame if every == body.frames else np.mod(found.frame, every)
         cycle = found.cycle if every == body.frames else (found.frame // every).astype(np.int64)
@@ -257,8 +257,11 @@ def _lines(course: Course, path: Path, table: LengthTable, found: Way) -> tuple[
     """The new path with heights, and the clip's own where it has some too; None where there are none."""
     if path.points.shape[1] == 2:
         return None
-    own = None if course.path.points.shape[1] == 2 else Line(course.path, course.table, found.own)
-    return Line(path, table, found.distance), own
+    new = Line(path, table, found.distance)
+    if steep(new):
+        warnings.warn("the path is steeper than 45 degrees: feet are lifted as the body is", stacklevel=4)
+        return None
+    return new, None if course.path.points.shape[1] == 2 else Line(course.path, course.table, found.own)
 
 
 def _made(
