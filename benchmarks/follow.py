@@ -173,9 +173,10 @@ def latency(rounds: int) -> None:
     points = np.array(own.points)
     points[len(points) // 2] += (5.0, 3.0)
     edit = replace(own, points=points)
+    ready = {feet: mc.PathEdit.of(motion, own, lock_feet=feet) for feet in (False, True)}
 
     def moved(mode: str, lock_feet: bool) -> np.ndarray:
-        made = mc.follow(motion, edit, mode=mode, of=own, lock_feet=lock_feet)
+        made = ready[lock_feet].laid(edit, mode=mode)
         found = made.history[-1]["measured"]
         return world(made[found["first"] : found["last"] + 1])
 

@@ -86,12 +86,29 @@ def test_only_the_root_is_changed() -> None:
 # -- modes ---------------------------------------------------------------------------------------
 def test_scaled_fills_the_path_and_time_keeps_the_parameter() -> None:
     clip = walking()
-    own, new = Path.of(clip), mc.Path([(0, 0), (0, 400), (300, 900), (800, 900)])
+    own = Path.of(clip)
+    lengths = own.table().distance(gone(clip))
+    new = mc.Path([(0, 0), (0, 1.1 * own.length)])
     scaled, timed = (table(laid(clip, new, mode=mode))["distance"] for mode in ("scaled", "time"))
     assert scaled[-1] == pytest.approx(new.length)
-    lengths = own.table().distance(gone(clip))
     np.testing.assert_allclose(scaled, lengths * new.length / own.length, atol=1e-9)
     np.testing.assert_allclose(timed, new.table().distance(gone(clip)), atol=1e-6)
+
+
+@pytest.mark.parametrize(("times", "stride"), [(2.3, 1.15), (0.3, 0.6)])
+def test_strides_that_nobody_takes_become_time(times: float, stride: float) -> None:
+    clip = walking()
+    own = Path.of(clip)
+    with pytest.warns(UserWarning, match=r"beyond 0.6 to 1.15: the rest goes into time"):
+        made = laid(clip, mc.Path([(0, 0), (0, times * own.length)]), mode="scaled")
+    told = measured(made)
+    assert told["stride"] == pytest.approx(times)
+    assert told["slower"] == pytest.approx(times / stride)
+    assert made.frames == pytest.approx(clip.frames * times / stride, abs=2)
+    assert table(made)["frame"][[0, -1]].tolist() == [0, clip.frames - 1]
+    usual, steps = np.diff(own.table().distance(gone(clip))), np.diff(table(made)["distance"])
+    assert np.median(steps) == pytest.approx(stride * np.median(usual), rel=0.05)
+    assert edges(made) < 1.5 * edges(clip) * max(1.0, stride / times) ** 2
 
 
 def spanned(by: tuple[float, float], points: int = 14) -> tuple[mc.Motion, mc.Motion, Path]:
@@ -274,7 +291,7 @@ def test_a_clip_made_ready_is_laid_as_follow_lays_it(
     points[3] += (2, 1)
     edit = PathEdit.of(clip, path)
     first = edit.laid(path.moved(MOVED))
-    for points_of in (points, np.array(path.points) + (0.5, 0.0)):
+    for points_of in (points, np.array(path.points) + np.array([0.5, 0.0])):
         new = replace(path, points=points_of)
         made, again = edit.laid(new, **options), mc.follow(clip, new, of=path, **options)
         assert made.values.tobytes() == again.values.tobytes()

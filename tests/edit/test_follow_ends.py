@@ -72,9 +72,12 @@ def test_reset_begins_again() -> None:
 
 
 def test_scale_shortens_strides_to_fit() -> None:
-    clip, path = walking(), mc.Path(SHORT)
+    clip = walking()
+    path = mc.Path([(0, 0), (0, 0.7 * Path.of(clip).length)])
     made = laid(clip, path, at_end="scale")
     assert table(made)["distance"][-1] == pytest.approx(path.length)
+    assert made.frames == clip.frames
+    assert measured(made)["stride"] == pytest.approx(0.7)
     assert made.values.tobytes() == laid(clip, path, mode="scaled").values.tobytes()
 
 

@@ -50,7 +50,7 @@ class Way:
     own:      distance along the motion's own path.
     distance: along the new path.
     kept:     whether the frame stays as it is.
-    stride:   times the source's, where only a span is edited. slower: times as long, in that span.
+    stride:   times the source's, where a path is filled or only a span is edited. slower: times as long it takes.
     """
 
     frame: np.ndarray
@@ -72,7 +72,7 @@ def way(course: Course, path: Path, table: LengthTable, mode: str, at_end: str, 
     if mode == "time":
         return replace(plain, distance=table.distance(course.table.parameter(course.distance)))
     if mode == "scaled":
-        return replace(plain, distance=_scaled(course, table.length))
+        return _scaled(course, plain, table.length)
     return ENDS[at_end](course, plain, table.length, frame_time)
 
 
@@ -129,9 +129,18 @@ def at_frames(values: np.ndarray, frames: np.ndarray) -> np.ndarray:
     return np.where(frames == whole, values[whole], between)
 
 
-def _scaled(course: Course, length: float) -> np.ndarray:
+def _scaled(course: Course, way: Way, length: float) -> Way:
+    """The path filled: by longer or shorter strides within STRIDES, and the rest by more or less time."""
     own = course.table.length
-    return course.distance * (length / own if own > 0 else 0.0)
+    if not (own > 0 and length > 0):
+        return replace(way, distance=0.0 * course.distance)
+    stride = length / own
+    slower = stride / float(np.clip(stride, *STRIDES))
+    shown = _stretched(np.arange(len(course.distance)), 0, len(course.distance) - 1, slower)
+    gone = at_frames(course.distance, shown)
+    count = len(shown)
+    nothing = np.zeros(count, np.int64), np.zeros(count, bool)
+    return Way(shown, nothing[0], gone, gone * stride, nothing[1], stride, slower)
 
 
 def _beyond(way: Way, length: float) -> int:
@@ -160,7 +169,7 @@ def _reset(course: Course, way: Way, length: float, frame_time: float) -> Way:
 
 
 def _scale(course: Course, way: Way, length: float, frame_time: float) -> Way:
-    return way if course.table.length <= length else replace(way, distance=_scaled(course, length))
+    return way if course.table.length <= length else _scaled(course, way, length)
 
 
 def _stop(course: Course, way: Way, length: float, frame_time: float) -> Way:

@@ -26,7 +26,8 @@ class Following:
     beyond:      how much of that lies straight on behind an end of the path.
     residual:    how far the root is from the clip's own path, root mean square.
     frames:      of the result; cycles: how often the motion begins in it.
-    stride:      how long strides are where only a span was edited, times the source's; slower: how much time they take.
+    stride:      how long strides are in modes scaled and span, times the source's; slower: how many times as long the
+                 clip, or its edited span, takes, because strides stay within 0.6 and 1.15.
     first, last: frame from which and to which the result differs from the clip; None where it does not.
     turned:      the most that a frame is turned, degrees.
     feet:        the numbers of `Steps`; None where no feet were held.
@@ -57,8 +58,8 @@ class Following:
         if self.beyond > 0.001 * self.length:
             lines.append(f"the path is shorter than that: {self.beyond:.4g} {self.unit} lie straight on behind its end")
         if self.stride != 1.0:
-            time = "" if self.slower == 1.0 else f" and take {self.slower:.3g} times the time"
-            lines.append(f"in the edited span strides are {self.stride:.3g} times as long{time}")
+            time = "" if self.slower == 1.0 else f" and takes {self.slower:.3g} times the time"
+            lines.append(f"the way that strides make is {self.stride:.3g} times as long{time}")
         changed = "nothing" if self.first is None else f"frames {self.first} to {self.last}"
         lines.append(f"changed: {changed}, turned by up to {self.turned:.3g} degrees")
         return "\n".join(lines if self.feet is None else [*lines, str(Steps(**self.feet))])

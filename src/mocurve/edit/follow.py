@@ -34,26 +34,30 @@ def follow(
     ----------
     mode
         How far along the new path a frame is. arclength: as far as it was along the clip's own path, so that the speed
-        stays. time: where the curve's parameter is the same. scaled: so that the clip fills the path, with longer or
-        shorter strides. span: only where control points of the clip's own path were moved is anything changed.
+        stays. time: where the curve's parameter is the same. scaled: so that the clip fills the path, with strides 0.6
+        to 1.15 times as long, and more or less time where that is not enough. span: only where control points of the
+        clip's own path were moved is anything changed, in the same bounds.
     at_end
         Where one of the two is longer, for mode arclength. extend: straight on behind the path's end. truncate: the
         clip ends with the path. stop: it comes to rest there. reset: it begins again there, as does the path. scale:
-        strides are shortened to fit. cycle: the clearest cycle is repeated to the path's end.
+        as mode scaled. cycle: the clearest cycle is repeated to the path's end.
     heading
         tangent: the body turns as the path does. facing: so too, but where it backs up it goes back along the path.
     posture
-        On a path with heights. upright: the body is lifted. tangent: it also leans with the slope.
+        On a path with heights. upright: every foot that is held stands on the path beside it, the hips are as high as
+        it is in between; without feet as lift. lift: the whole body is lifted. tangent: it also leans with the slope.
     of
         The path that the clip is on; by default the one that the path is an edit of, or one that is fitted.
     lock_feet
         Hold feet still where they stand in the clip, as the verb lock_feet does, where the path moves them unevenly.
+        Contacts that would pull the body out of shape are let go.
 
     The path is in the clip's length unit, on the ground x, z with y up: a `Path`, or its points. The own path laid back
     changes nothing; one moved as a whole moves the motion so. The last step of `history` has the numbers of `Following`
     under "measured", and under "table" of every frame which frame it was, in which cycle, and its distance along the
     path. Errors: OptionError and Mismatch for paths and options that do not fit the clip. Warnings: of a clip that goes
-    nowhere, of strides beyond 0.6 to 1.15, of a path that asks too much of the legs, of a body that has none.
+    nowhere, of strides beyond 0.6 to 1.15, of a path that asks too much of the legs, of a body that has none. Who lays
+    one clip on path after path takes `PathEdit`.
 
     >>> tour = mc.follow(walk, mc.Path([(0, 0), (200, 80), (400, -80), (600, 0)]), at_end="cycle")
     """

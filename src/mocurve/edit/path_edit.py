@@ -23,6 +23,7 @@ from ..path_fit import fitted, gone, lead
 from ..path_length import LengthTable
 from . import _bearing
 from ._along import ENDS, Course, Way, way
+from ._along import at_frames as distances_at
 from ._carry import Plan, at_frames, carried_out, laid
 from ._facing import progress
 from ._following import measured, tell
@@ -209,8 +210,8 @@ def _found(
     distance, back = progress(body, course, path, table, _bearing.gate(body)[0])
     signed = replace(course, distance=distance)
     found = way(signed, path, table, mode, at_end, body.frame_time)
-    frames = found.frame.astype(np.int64)
-    return replace(found, own=course.distance[frames]), back[frames]
+    own = distances_at(course.distance, found.frame)
+    return replace(found, own=own), back[found.frame.astype(np.int64)]
 
 
 def _planned(
