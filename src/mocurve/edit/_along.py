@@ -17,7 +17,6 @@ from ..path import Path
 from ..path_fit import roots
 from ..path_length import LengthTable
 
-LOOKED_AT = 500  # frames, to tell how far the root is from its path
 SETTLE = 0.5  # seconds in which a motion comes to rest
 STRIDES = (0.6, 1.15)  # times the source's: beyond, more of a span's new length goes into time
 SAME = 1e-9  # of a length: control points as near have not been moved, and ends as near are reached
@@ -25,20 +24,29 @@ SAME = 1e-9  # of a length: control points as near have not been moved, and ends
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """A path, where along it the frames of a motion are: distances (F,), which do not fall; and how far the root is
-    from there, root mean square."""
+    """A path, where along it the frames of a motion are: distances (F,), which do not fall; the places
+    (F, 2 or 3) and headings (F,) there; and how far the root is from them, root mean square."""
 
     path: Path
     table: LengthTable
     distance: np.ndarray
-    residual: float = 0.0
+    place: np.ndarray
+    heading: np.ndarray
+    residual: float
 
     @classmethod
     def of(cls, body: Motion, path: Path, table: LengthTable, distance: np.ndarray) -> Course:
         """The course of a body along its path."""
-        some = np.arange(0, body.frames, max(1, body.frames // LOOKED_AT))
-        away = roots(body)[some][:, [0, 2]] - path.at(distance[some], table)[0][:, [0, -1]]
-        return cls(path, table, distance, float(np.sqrt(np.mean((away**2).sum(axis=1)))))
+        place, heading = path.at(distance, table)
+        away = roots(body)[:, [0, 2]] - place[:, [0, -1]]
+        return cls(path, table, distance, place, heading, float(np.sqrt(np.mean((away**2).sum(axis=1)))))
+
+    def at(self, frames: np.ndarray, distance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Places (G, 2 or 3) and headings (G,) at distances (G,) of frames (G,), which may be between two."""
+        whole = frames.astype(np.int64)
+        if np.array_equal(self.distance[whole], distance):
+            return self.place[whole], self.heading[whole]
+        return self.path.at(distance, self.table)
 
 
 @dataclass(frozen=True, eq=False)

@@ -229,21 +229,21 @@ def _within(listed: Sequence[Contact], span: slice) -> tuple[Contact, ...]:
 
 def _sliding(part: Source, carry: np.ndarray, made: Motion, listed: Sequence[Contact]) -> list[float]:
     """How fast balls slide in contact, cm/s, mean over all frames: in the source, carried, and held."""
-    balls = [side.leg.ball for side in part.sides]
-    names = [made.skeleton.names[ball] for ball in balls]
+    names = [made.skeleton.names[side.leg.ball] for side in part.sides]
+    spans = [
+        (names.index(c.joint), max(c.first - part.lead, 0), c.last + 1 - part.lead) for c in listed if c.joint in names
+    ]
+    stands = np.zeros(made.frames - part.lead, bool)
+    for _, first, end in spans:
+        stands[first:end] = True
     own = np.stack([side.stances.ball for side in part.sides], axis=1)
-    scaled = carry[part.lead :] * [1.0, part.scale, part.scale]
-    now = part.scale * world(made)[part.lead :, balls]
+    now = own.copy()
+    standing = replace(made, values=made.values[part.lead :][stands])
+    now[stands] = part.scale * world(standing)[:, [side.leg.ball for side in part.sides]]
+    slid = planar.move((carry[part.lead :] * [1.0, part.scale, part.scale])[:, None], own)
     told = []
-    for track in (own, planar.move(scaled[:, None], own), now):
-        steps = [
-            np.linalg.norm(
-                np.diff(track[max(c.first - part.lead, 0) : c.last + 1 - part.lead, column, ::2], axis=0), axis=1
-            )
-            for c in listed
-            for column in range(len(names))
-            if names[column] == c.joint
-        ]
+    for track in (own, slid, now):
+        steps = [np.linalg.norm(np.diff(track[first:end, foot, ::2], axis=0), axis=1) for foot, first, end in spans]
         told.append(float(np.concatenate(steps).mean()) / made.frame_time if any(map(len, steps)) else 0.0)
     return told
 

@@ -223,7 +223,7 @@ def _planned(
     if not len(some):
         return plan
     own, distance = found.own[some], found.distance[some]
-    (old, old_heading), (new, new_heading) = course.path.at(own, course.table), path.at(distance, table)
+    (old, old_heading), (new, new_heading) = course.at(found.frame[some], own), path.at(distance, table)
     turn = np.zeros(len(some))
     if course.table.length > 0 and table.length > 0:
         turn = _turned(base, found, some, old_heading, new_heading + np.pi * back[some])
