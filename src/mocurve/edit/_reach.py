@@ -30,7 +30,8 @@ TOLD = 3  # problems in one sentence
 @dataclass(frozen=True)
 class Problem:
     """Too much of something: which of LIMITS, its largest value in a span, first and last frame of that, and how many
-    times as long as they are the steps there should be; None where that would not help. side: which leg, -1: both."""
+    times as long as they are the steps there should be; None where that would not help. side: which leg, -1: both.
+    peak: the frame of the largest value."""
 
     kind: str
     value: float
@@ -38,6 +39,7 @@ class Problem:
     last: int
     stride: float | None
     side: int = -1
+    peak: int = 0
 
     def sentence(self, frame_time: float) -> str:
         """What is wrong and where, in words."""
@@ -96,7 +98,7 @@ class Strain:
 
     def later(self, frames: int) -> Strain:
         """The same of a clip with so many frames in front."""
-        moved = (replace(p, first=p.first + frames, last=p.last + frames) for p in self.problems)
+        moved = (replace(p, first=p.first + frames, last=p.last + frames, peak=p.peak + frames) for p in self.problems)
         return replace(self, problems=tuple(moved))
 
 
@@ -113,7 +115,15 @@ def _problems(kind: str, track: np.ndarray, even: bool, frame_time: float, side:
         spans.append((first, end))
     values = [float(track[first:end].max()) for first, end in spans]
     return [
-        Problem(kind, value, first, end - 1, None if even else _stride(kind, value), side)
+        Problem(
+            kind,
+            value,
+            first,
+            end - 1,
+            None if even else _stride(kind, value),
+            side,
+            first + int(np.argmax(track[first:end])),
+        )
         for value, (first, end) in zip(values, spans, strict=True)
     ]
 

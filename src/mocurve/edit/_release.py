@@ -9,6 +9,7 @@ from ..motion import Motion
 from ._reach import Problem, Strain
 
 TRIES = 20  # times that contacts are let go; after that all are
+GENTLE = 10  # times in which only those go that stand where something is worst
 
 
 def released(
@@ -23,7 +24,7 @@ def released(
     made, strain = hold(kept)
     asked = strain.problems
     for turn in range(TRIES):
-        bad = {contact for problem in _apart(strain.problems) for contact in _at(problem, kept, feet)}
+        bad = {contact for problem in _apart(strain.problems) for contact in _at(problem, kept, feet, turn < GENTLE)}
         if not bad:
             break
         gone |= bad if turn < TRIES - 1 else set(kept)
@@ -44,8 +45,10 @@ def _apart(problems: Sequence[Problem]) -> list[Problem]:
     return found
 
 
-def _at(problem: Problem, listed: Sequence[Contact], feet: Sequence[Sequence[str]]) -> list[Contact]:
-    """The contacts during a problem, or else the nearest ones; of its own leg, if it has one that still stands."""
+def _at(problem: Problem, listed: Sequence[Contact], feet: Sequence[Sequence[str]], gently: bool) -> list[Contact]:
+    """The contacts during a problem, or gently where it is worst, or else the nearest ones; of its own leg, if it has
+    one that still stands."""
+    first, last = (problem.peak, problem.peak) if gently else (problem.first, problem.last)
     own = [contact for contact in listed if problem.side >= 0 and contact.joint in feet[problem.side]] or listed
-    away = [max(contact.first - problem.last, problem.first - contact.last, 0) for contact in own]
+    away = [max(contact.first - last, first - contact.last, 0) for contact in own]
     return [contact for contact, frames in zip(own, away, strict=True) if frames == min(away)]
