@@ -15,13 +15,13 @@ import numpy as np
 from clips import folder
 
 import mocurve as mc
-from mocurve.contacts import planted
 from mocurve.edit import join as joining
-from mocurve.edit._bodies import at_rate, paired
+from mocurve.edit._couple import at_rate, paired
 from mocurve.edit._seams import centimetres
 from mocurve.edit._transitions import MODES, Cut, alignments, joined
 from mocurve.edit.loop import WAYS
 from mocurve.edit.retime import time_map
+from mocurve.feet.planted import planted
 from mocurve.kinematics import world
 
 WALKS = {

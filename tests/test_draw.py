@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from mocurve import draw, draw_scene, progress
+from mocurve import draw, draw_gif, draw_scene, progress
 from mocurve.errors import FileError, OptionError, UnknownName
 from mocurve.keyed import HermiteCurve, KeyedMotion
 from mocurve.motion import Motion
@@ -61,12 +61,18 @@ def test_a_clip_with_z_up_gives_the_same_picture(tmp_path):
     assert (pixels(tmp_path / "y.png") == pixels(tmp_path / "z.png")).all()
 
 
-@pytest.mark.parametrize("view", ["front", "side", "top", "three-quarter"])
+@pytest.mark.parametrize("view", ["front", "side", "top", "three-quarter", "behind"])
 def test_every_view_looks_along_its_own_axis(view):
     camera = draw_scene.camera(np.eye(3), view, 300, (0.5, 2))
     assert np.allclose(camera.axes @ camera.axes.T, np.eye(3))
     assert np.linalg.det(camera.axes) == pytest.approx(1)
-    towards = {"front": [0, 0, 1], "side": [1, 0, 0], "top": [0, 1, 0], "three-quarter": [0.5, 0.4, 0.75]}[view]
+    towards = {
+        "front": [0, 0, 1],
+        "side": [1, 0, 0],
+        "top": [0, 1, 0],
+        "three-quarter": [0.5, 0.4, 0.75],
+        "behind": [-0.5, 0.4, -0.75],
+    }[view]
     assert camera.axes[2] @ towards > 0.95
     assert camera.axes[1][1] > 0.9 or view == "top"
 
@@ -129,7 +135,7 @@ def test_a_gif_has_no_more_pictures_a_second_than_the_clip(tmp_path):
 
 def test_a_very_long_gif_is_thinned_with_a_warning():
     with pytest.warns(UserWarning, match=r"a long clip: 9\.99 pictures a second, so that there are no more than 1000"):
-        times, delays = draw._timing(pole(10001, 0.01), 25)
+        times, delays = draw_gif.timing(100.0, 0.01, 25)
     assert len(times) == len(delays) == 1000
     assert sum(delays) == pytest.approx(100_000, abs=150)
 
@@ -143,7 +149,7 @@ def test_drawing_says_how_far_it_is(tmp_path):
 
 def test_wrong_options_are_refused(tmp_path):
     for options, message in [
-        ({"view": "back"}, "view is one of front, side, top, three-quarter, not 'back'"),
+        ({"view": "back"}, "view is one of front, side, top, three-quarter, behind, not 'back'"),
         ({"width": 3}, "width is from 64 to 8192 pixels, not 3"),
         ({"frame": 50}, "there is no frame 50: the clip has frames 0 to 49"),
         ({"frame": -1}, "there is no frame -1"),

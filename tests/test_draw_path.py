@@ -52,7 +52,7 @@ def test_a_body_that_stands_can_be_drawn(tmp_path: File) -> None:
 
 def test_other_extensions_and_widths_are_refused(tmp_path: File) -> None:
     clip = walk(PERIOD)
-    with pytest.raises(OptionError, match=r"the extension of this picture is \.png or \.html, not '\.jpg'"):
+    with pytest.raises(OptionError, match=r"the extension of this picture is \.png, \.html or \.gif, not '\.jpg'"):
         draw_path.save(tmp_path / "a.jpg", clip, Path.of(clip))
     with pytest.raises(OptionError, match="width is from 200 to 4096 pixels, not 5"):
         draw_path.save(tmp_path / "a.png", clip, Path.of(clip), width=5)

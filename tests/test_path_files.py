@@ -141,6 +141,18 @@ def test_a_doubled_point_is_a_corner_and_is_told(tmp_path: File) -> None:
         assert len(mc.Path.read(tmp_path / "a.csv").points) == 5
 
 
+def test_a_point_straight_above_another_is_told(tmp_path: File) -> None:
+    (tmp_path / "a.csv").write_text("0,0,0\n0,0,20\n0,60,20\n0,60,60\n")
+    with pytest.warns(UserWarning, match=r"a\.csv:3: the point is straight above or below the one before it"):
+        assert len(mc.Path.read(tmp_path / "a.csv").points) == 4
+
+
+def test_a_path_straight_up_is_refused(tmp_path: File) -> None:
+    (tmp_path / "a.csv").write_text("x,y,z\n0,0,5\n0,50,5\n")
+    with pytest.raises(FileError, match=r"a\.csv:2: the path goes straight up: it has no way over the ground"):
+        mc.Path.read(tmp_path / "a.csv")
+
+
 def test_a_transform_that_is_not_done_is_told(tmp_path: File) -> None:
     (tmp_path / "a.svg").write_text('<svg><path transform="scale(2)" d="M0 0L1 1"/></svg>')
     with pytest.warns(UserWarning, match="transform is not looked at"):

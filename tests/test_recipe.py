@@ -36,9 +36,15 @@ EACH: dict[str, list[Made]] = {
     "reduce": [
         lambda a, b: mc.reduce(a, tolerance=["3deg", "LeftHand=1deg"], quality="fast", align="joint"),
         lambda a, b: mc.reduce(a, tolerance="3deg", quality="fast", denoise=True),
-        lambda a, b: mc.reduce(a, method="split", ratio=0.01),
+        lambda a, b: mc.reduce(a, method="split", tolerance="0.01ratio"),
+        lambda a, b: mc.reduce(a, keys=12, pin=[40, "0.5s"], quality="fast"),
+        lambda a, b: mc.reduce(a, method="cluster", tolerance="5%span", pin=["contacts"]),
+        lambda a, b: mc.reduce(a, tolerance="9deg", pin=[40, 41]),
     ],
-    "refine": [lambda a, b: mc.refine(mc.reduce(a, tolerance="3deg", method="split"), a)],
+    "refine": [
+        lambda a, b: mc.refine(mc.reduce(a, tolerance="3deg", method="split"), a),
+        lambda a, b: mc.refine(mc.reduce(a, keys=8, pin=[40], quality="fast"), a),
+    ],
     "fit": [lambda a, b: mc.fit(a, spans=20, knots="uniform"), lambda a, b: mc.fit(a, tolerance="9deg", degree=2)],
     "trim": [lambda a, b: mc.trim(a, start=0.5, end=1.0), lambda a, b: a[20:50]],
     "blend": [lambda a, b: mc.blend(a, b, {"*Arm": "0:0,1:1"}), lambda a, b: mc.blend(a, mc.blend(b, a, 0.5), 0.3)],

@@ -114,10 +114,11 @@ def test_every_page_is_found_from_the_readme() -> None:
 
 
 def test_the_reduce_page_names_every_option_value_and_report_name() -> None:
-    from mocurve.reduction import METHODS
+    from mocurve.reduction import CHOOSERS, METHODS
 
-    text = (ROOT / "docs" / "reduce.md").read_text(encoding="utf-8")
-    assert not [name for name in METHODS if f"| `{name}`" not in text]
+    for page, names in (("reduce.md", METHODS), ("poses.md", ["optimal", *CHOOSERS])):
+        text = (ROOT / "docs" / page).read_text(encoding="utf-8")
+        assert not [name for name in names if f"| `{name}`" not in text], page
 
 
 # -- the shipped capture -----------------------------------------------------------------------------

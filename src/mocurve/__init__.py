@@ -36,6 +36,7 @@ _HOME = {
     "reduce": "reduction",
     "fit": "fitting",
     "refine": "reduction",
+    "poses": "reduction",
     "compare": "measure",
     "trim": "edit.trim",
     "blend": "edit.blend",
@@ -59,6 +60,7 @@ _HOME = {
     "contacts": "feet.contacts",
     "lock_feet": "edit.lock_feet",
     "render": "draw",
+    "sheet": "draw",
     "run": "recipe",
 }
 __all__ = ["__version__", *_HOME]

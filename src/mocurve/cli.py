@@ -11,10 +11,10 @@ import warnings
 from collections.abc import Callable, Sequence
 from io import TextIOWrapper
 
-from cyclopts import App, CycloptsError, Parameter
+from cyclopts import App, CycloptsError, Group, Parameter
 
 from . import __version__
-from .commands import COMMANDS
+from .commands import COMMANDS, GROUPS
 from .commands._terminal import Bar
 from .errors import MocurveError, UnknownName
 from .progress import listening
@@ -30,7 +30,8 @@ def application(asked: str | None = None) -> App:
     """All commands under one roof. Only the one that is asked for is loaded; the others tell their line in COMMANDS."""
     app = App(
         name="mocurve",
-        help="Motion capture into few, editable Hermite keys, with a promise: no joint moves more than the tolerance.",
+        help="Motion capture into few, editable curves with a promise (no joint moves more than the tolerance), and "
+        "what can be done with them.",
         help_epilogue=None if asked in COMMANDS else EXAMPLE,
         help_format="plaintext",
         version=f"mocurve {__version__}",
@@ -41,11 +42,13 @@ def application(asked: str | None = None) -> App:
         suppress_keyboard_interrupt=False,
         result_action="return_value",
     )
-    app["--help"].group = app["--version"].group = "Also"
-    for place, (name, summary) in enumerate(COMMANDS.items()):
-        told = None if name == asked else summary
-        home = name.replace("-", "_")
-        app.command(f"mocurve.commands.{home}:{home}", name=name, help=told, sort_key=place)
+    app["--help"].group = app["--version"].group = Group("Also", sort_key=len(GROUPS))
+    for place, (title, commands) in enumerate(GROUPS.items()):
+        group = Group(title, sort_key=place)
+        for row, (name, summary) in enumerate(commands.items()):
+            told = None if name == asked else summary
+            home = name.replace("-", "_")
+            app.command(f"mocurve.commands.{home}:{home}", name=name, help=told, group=group, sort_key=row)
     return app
 
 

@@ -6,8 +6,7 @@ drawn larger and then reduced, which smooths their edges.
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Iterator
+from collections.abc import Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Literal, get_args
@@ -15,9 +14,10 @@ from typing import Literal, get_args
 import numpy as np
 from PIL import Image
 
+from . import draw_gif, kinematics
 from . import draw_scene as scene
-from . import kinematics
 from .draw_curves import curves
+from .draw_lines import lines
 from .errors import OptionError
 from .formats._files import replacing
 from .info import z_is_up
@@ -25,17 +25,16 @@ from .keyed import KeyedMotion
 from .motion import Clip
 from .progress import advance
 
-__all__ = ["curves", "render"]
+__all__ = ["curves", "lines", "render", "sheet"]
 
-View = Literal["front", "side", "top", "three-quarter"]
+View = Literal["front", "side", "top", "three-quarter", "behind"]
 
 LARGER = 3  # a still is drawn this much larger, a moving picture:
 LARGER_GIF = 2
 SHEET = (4, 2)  # poses across and down
+ACROSS = 6  # of a sheet with more than 8, at most
+MOST_ON_SHEET = 600
 MOST_POSES = 200  # in one picture
-MOST_GIF_FPS = 50  # players take a delay under 2/100 s for 10/100 s
-MOST_GIF_PICTURES = 1000
-COLOURS = 128  # of a GIF
 ALONE = ((27, 73, 125), (140, 178, 219))  # near and far bones
 FIRST = ((214, 102, 88), (240, 196, 190))  # drawn thicker, so that it shows as a rim where both agree
 SECOND = ((12, 110, 92), (120, 190, 175))
@@ -57,7 +56,7 @@ def render(
     A second clip is drawn over the first, in green over red; it may have another skeleton or frame rate.
 
     width: of the picture, in pixels.
-    view: front (looking against Z, or along Y where Z points up), side, top or three-quarter.
+    view: front (looking against Z, or along Y where Z points up), side, top, three-quarter, or behind, its other side.
     fps: pictures a second of a .gif, at most 50; fewer where the clip has fewer frames or would take over 1000.
     frame: the one frame to show, counted from 0; .png only. Without it: a sheet of eight poses.
     poses: so many poses in one picture, each at its place on the way; .png only.
@@ -79,8 +78,30 @@ def render(
         image = _along(figures, clip, width, view, poses)
     elif frame is not None:
         image = _pose(figures, clip, width, view, frame)
-    else:
-        image = _sheet(figures, clip, width, view)
+    else:  # poses evenly in time
+        evenly = np.linspace(0, clip.frames - 1, SHEET[0] * SHEET[1]).round().astype(int)
+        image = _sheet(figures, clip, width, view, np.unique(evenly), numbered=False)
+    with replacing(path) as file:
+        image.save(file, "PNG", optimize=True)
+
+
+def sheet(
+    clip: Clip, path: str | PathLike[str], frames: Sequence[int], *, width: int = 1200, view: View = "three-quarter"
+) -> None:
+    """A contact sheet, .png: the poses at these frames, each with its time and its frame, line after line.
+
+    OptionError for another extension, an unknown view, a frame that is not there or a clip without frames.
+
+    >>> mc.sheet(walk, "poses.png", mc.reduce(walk, keys=12).report.key_frames)
+    """
+    path = Path(path)
+    if path.suffix.lower() != ".png":
+        raise OptionError(f"{path.name}: the extension of a sheet is .png, not {path.suffix.lower()!r}")
+    if not 1 <= len(frames) <= MOST_ON_SHEET:
+        raise OptionError(f"a sheet shows 1 to {MOST_ON_SHEET} poses, not {len(frames)}")
+    for frame in (min(frames), max(frames)):
+        _check(clip, ".png", width, view, draw_gif.MOST_FPS, int(frame), None)
+    image = _sheet(_figures(clip, None), clip, width, view, np.array(frames, np.int64), numbered=True)
     with replacing(path) as file:
         image.save(file, "PNG", optimize=True)
 
@@ -97,8 +118,8 @@ def _check(clip: Clip, kind: str, width: int, view: str, fps: float, frame: int 
         raise OptionError("the clip has no frames to draw")
     if kind == ".gif" and frame is not None:
         raise OptionError("one frame is drawn as .png; a .gif plays them all")
-    if not 0 < fps <= MOST_GIF_FPS:
-        raise OptionError(f"fps is over 0 and at most {MOST_GIF_FPS}, which is what a .gif can play; not {fps:g}")
+    if not 0 < fps <= draw_gif.MOST_FPS:
+        raise OptionError(f"fps is over 0 and at most {draw_gif.MOST_FPS}, which is what a .gif can play; not {fps:g}")
     if poses is not None and (kind == ".gif" or frame is not None):
         raise OptionError("poses along the way are drawn as .png, and not together with a single frame")
     if poses is not None and not 1 <= poses <= MOST_POSES:
@@ -158,10 +179,11 @@ def _along(figures: list[scene.Figure], clip: Clip, width: int, view: str, poses
     return image.reduce(LARGER)
 
 
-def _sheet(figures: list[scene.Figure], clip: Clip, width: int, view: str) -> Image.Image:
-    """Poses evenly in time; every panel has the same scale and follows the figure over the ground."""
-    frames = np.unique(np.linspace(0, clip.frames - 1, SHEET[0] * SHEET[1]).round().astype(int))
-    across = min(len(frames), SHEET[0])
+def _sheet(
+    figures: list[scene.Figure], clip: Clip, width: int, view: str, frames: np.ndarray, numbered: bool
+) -> Image.Image:
+    """Poses at the frames (K,); every panel has the same scale and follows the figure over the ground."""
+    across = min(len(frames), SHEET[0] if len(frames) <= SHEET[0] * SHEET[1] else ACROSS)
     floor = scene.ground(figures)
     middle = figures[0].places.mean(axis=1) * (1, 0, 1)  # (F, 3)
     near = np.concatenate([_shown(figures, np.array([f]), floor) - middle[f] for f in frames])
@@ -174,50 +196,30 @@ def _sheet(figures: list[scene.Figure], clip: Clip, width: int, view: str) -> Im
         image = scene.empty(here, floor, near + middle[frame])
         for figure in figures:
             scene.draw_figure(image, here, figure, floor, frame)
-        scene.label(image, figures if i == 0 else [], frame * clip.frame_time, 13 * LARGER)
+        which = f", frame {frame}" if numbered else ""
+        scene.label(image, figures if i == 0 else [], frame * clip.frame_time, 13 * LARGER, which)
         sheet.paste(image.reduce(LARGER), (i % across * panel, i // across * high))
         advance("drawing", i + 1, len(frames))
     return sheet
 
 
 def _write_gif(figures: list[scene.Figure], clip: Clip, path: Path, width: int, view: str, fps: float) -> None:
-    times, delays = _timing(clip, fps)
-    frames = np.minimum((times / clip.frame_time).round().astype(int), clip.frames - 1)
+    times, delays = draw_gif.timing(clip.duration, clip.frame_time, fps)
+
+    def frame_at(time: float) -> int:
+        return min(round(time / clip.frame_time), clip.frames - 1)
+
     floor = scene.ground(figures)
-    shown = _shown(figures, frames, floor)
+    shown = _shown(figures, np.array([frame_at(time) for time in times]), floor)
     camera = scene.camera(shown, view, width * LARGER_GIF, (0.45, 1.2))
     bare = scene.empty(camera, floor, shown)
 
-    def picture(frame: int) -> Image.Image:
-        image = bare.copy()
+    def picture(time: float) -> Image.Image:
+        image, frame = bare.copy(), frame_at(time)
         scene.draw_trail(image, camera, figures[0], floor, frame)
         for figure in figures:
             scene.draw_figure(image, camera, figure, floor, frame)
         scene.label(image, figures, frame * clip.frame_time, 15 * LARGER_GIF)
         return image.reduce(LARGER_GIF)
 
-    palette = picture(int(frames[-1])).quantize(COLOURS)  # the last one has the whole trail
-
-    def pictures() -> Iterator[Image.Image]:
-        for done, frame in enumerate(frames, start=1):
-            advance("drawing", done, len(frames))
-            yield picture(int(frame)).quantize(palette=palette, dither=Image.Dither.NONE)
-
-    drawn = pictures()
-    with replacing(path) as file:
-        next(drawn).save(file, "GIF", save_all=True, append_images=drawn, duration=delays, loop=0)
-
-
-def _timing(clip: Clip, fps: float) -> tuple[np.ndarray, list[int]]:
-    """When each picture is shown (seconds), for how many milliseconds; a GIF counts in 1/100 s: rounding is spread."""
-    wanted = min(fps, 1 / clip.frame_time)
-    count = int(clip.duration * wanted + 1e-6) + 1
-    if count > MOST_GIF_PICTURES:
-        wanted *= (MOST_GIF_PICTURES - 1) / (count - 1)
-        count = MOST_GIF_PICTURES
-        warnings.warn(
-            f"a long clip: {wanted:.3g} pictures a second, so that there are no more than {count}", stacklevel=4
-        )
-    times = np.arange(count + 1) / wanted
-    delays = np.diff((times * 100).round().astype(int)) * 10
-    return times[:-1], [int(delay) for delay in delays]
+    draw_gif.write(path, times, delays, picture)

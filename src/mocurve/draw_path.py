@@ -1,4 +1,5 @@
-"""Paths seen from above: the clip's own in red, a new one in green, control points, and how far the root is from them.
+"""Paths seen from above and by four cameras: the clip's own in red, a new one in green, control points, and how far the
+root is from them.
 
 x goes to the right and z down, as on the ground seen by somebody who looks along -y with -z ahead.
 """
@@ -14,6 +15,7 @@ from pathlib import Path as File
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
+from . import draw_views
 from .draw_curves import GRID, LARGER, PAPER, TEXT, Axes, frame, legend, ticks
 from .errors import OptionError
 from .formats._files import replacing
@@ -22,7 +24,7 @@ from .motion import Clip
 from .path import Path
 from .path_fit import lead, roots
 
-OWN, OWN_TRACK, NEW, NEW_TRACK, POINT = "#c0392b", "#e8a79f", "#1e8449", "#8fcba6", "#1b497d"
+(OWN, OWN_TRACK), (NEW, NEW_TRACK), POINT = draw_views.OWN, draw_views.NEW, draw_views.POINT
 SHAPES = (0.3, 1.1)  # height over width of the view from above
 GRAPH = 0.22  # height over width of the graph below it
 FINE = 600  # places along a path
@@ -38,17 +40,21 @@ def save(
     numbers: str = "",
     width: int = 1000,
 ) -> None:
-    """A picture (.png), or a page with it (.html), of a clip's path and, if given, of another clip on a new path.
+    """A picture (.png), a page with it (.html) or moving figures (.gif) of a clip's path and, if given, of another clip
+    on a new path.
 
     clip, own: the clip and the path that it is on. made, new: what became of it, and its path.
     numbers:   text below the picture on a page. width: in pixels.
     """
     file = File(file)
     kind = file.suffix.lower()
-    if kind not in (".png", ".html"):
-        raise OptionError(f"{file.name}: the extension of this picture is .png or .html, not {kind!r}")
+    if kind not in (".png", ".html", ".gif"):
+        raise OptionError(f"{file.name}: the extension of this picture is .png, .html or .gif, not {kind!r}")
     if not 200 <= width <= 4096:
         raise OptionError(f"width is from 200 to 4096 pixels, not {width}")
+    if kind == ".gif":
+        draw_views.write_gif(file, draw_views.laid(clip, own, made, new), width)
+        return
     image = picture(clip, own, made, new, width=width)
     raw = io.BytesIO()
     image.save(raw, "PNG", optimize=True)
@@ -70,17 +76,19 @@ def page(png: bytes, title: str, numbers: str) -> str:
 
 
 def picture(clip: Clip, own: Path, made: Clip | None, new: Path | None, *, width: int = 1000) -> Image.Image:
-    """The picture that `save` writes."""
+    """The picture that `save` writes: from above, four views of the figures, and how far the root is from its path."""
     tracks = [(_track(clip), OWN_TRACK)] + ([(_track(made), NEW_TRACK)] if made is not None else [])
     paths = [(own, OWN)] + ([(new, NEW)] if new is not None else [])
     size, letter = width * LARGER, round(width * LARGER / 62)
     shown = np.concatenate([track for track, _ in tracks] + [path.points[:, [0, -1]] for path, _ in paths])
     top = _from_above(shown, tracks, paths, size, letter)
     graph = _graph(clip, own, size, letter)
-    sheet = Image.new("RGB", (size, top.size[1] + graph.size[1]), PAPER)
-    sheet.paste(top, (0, 0))
-    sheet.paste(graph, (0, top.size[1]))
-    return sheet.reduce(LARGER)
+    views = draw_views.sheet(draw_views.laid(clip, own, made, new), width)
+    sheet = Image.new("RGB", (width, (top.size[1] + graph.size[1]) // LARGER + views.size[1]), PAPER)
+    sheet.paste(top.reduce(LARGER), (0, 0))
+    sheet.paste(views, (0, top.size[1] // LARGER))
+    sheet.paste(graph.reduce(LARGER), (0, top.size[1] // LARGER + views.size[1]))
+    return sheet
 
 
 # -- in call order ---------------------------------------------------------------------------------

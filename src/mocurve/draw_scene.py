@@ -9,7 +9,13 @@ from PIL import Image, ImageDraw, ImageFont
 
 from .skeleton import Skeleton
 
-TURN_AND_TILT = {"front": (0.0, 8.0), "side": (90.0, 8.0), "top": (0.0, 90.0), "three-quarter": (35.0, 20.0)}  # degrees
+TURN_AND_TILT = {  # degrees
+    "front": (0.0, 8.0),
+    "side": (90.0, 8.0),
+    "top": (0.0, 90.0),
+    "three-quarter": (35.0, 20.0),
+    "behind": (215.0, 20.0),
+}
 PAPER, GRID, TEXT, TRAIL = "#ffffff", "#cfd7e0", "#46505c", "#e8a33d"
 BONE = 0.016  # thickness over body height
 
@@ -126,12 +132,13 @@ def draw_figure(image: Image.Image, view: Camera, figure: Figure, floor: Ground,
         draw.circle(tuple(pixels[joint]), dot, colour)
 
 
-def label(image: Image.Image, figures: list[Figure], time: float, size: int) -> None:
-    """The time below on the left, above it the figures' names in their colours; letters of `size` pixels."""
+def label(image: Image.Image, figures: list[Figure], time: float, size: int, after: str = "") -> None:
+    """The time below on the left and what comes after it, above it the figures' names in their colours; letters of
+    `size` pixels."""
     draw = ImageDraw.Draw(image)
     font = ImageFont.load_default(size)
     lines: list[tuple[str, str | tuple[int, int, int]]] = [(f.name, f.near) for f in figures if f.name]
-    lines += [(f"{time:.2f} s", TEXT)]
+    lines += [(f"{time:.2f} s{after}", TEXT)]
     for i, (text, colour) in enumerate(reversed(lines)):
         draw.text((0.7 * size, image.size[1] - (0.6 + 1.25 * i) * size), text, colour, font, anchor="ls")
 

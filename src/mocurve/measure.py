@@ -64,6 +64,7 @@ class Report:
     lower_bound:      proven fewest keys at the tolerance; seconds: what the reduction took; None where not known.
     clips:            the two that were compared, for the pictures of `save`; not part of the JSON.
     tolerance, method, align, quality: how the second clip was made; None where not known.
+    key_frames:       frames of the keys that all channels share; None where they do not, or have none.
     noise:            what denoising found in the clip; None where nobody looked.
     """
 
@@ -89,6 +90,7 @@ class Report:
     joints: tuple[JointError, ...] = ()
     noise: Noise | None = None
     knots: int | None = None
+    key_frames: tuple[int, ...] | None = None
     clips: tuple[Clip, Clip] | None = field(default=None, repr=False, compare=False)
 
     @property
@@ -130,6 +132,8 @@ class Report:
         known = {f.name: data[f.name] for f in fields(cls) if f.name in data}
         known["channels"] = tuple(ChannelError(**row) for row in known.get("channels", ()))
         known["joints"] = tuple(JointError(**row) for row in known.get("joints", ()))
+        if known.get("key_frames") is not None:
+            known["key_frames"] = tuple(known["key_frames"])
         if known.get("noise") is not None:
             known["noise"] = Noise.from_json(known["noise"])
         return cls(**known)
@@ -165,6 +169,7 @@ def compare(a: Clip, b: Clip) -> Report:
     report = Report(
         keys=int(keys.sum()),
         knots=knots,
+        key_frames=_shared_frames(b) if isinstance(b, KeyedMotion) else None,
         samples=a.frames * skeleton.channel_count,
         frames=a.frames,
         max_error_degrees=degrees[0],
@@ -211,6 +216,16 @@ def key_counts(clip: Clip) -> np.ndarray:
 
 
 # -- in call order -----------------------------------------------------------------------------------------------------
+
+
+def _shared_frames(keyed: KeyedMotion) -> tuple[int, ...] | None:
+    """Frames of the keys, where every channel has the same key times and they lie on frames."""
+    if not keyed.curves or any(not np.array_equal(keyed.curves[0].times, curve.times) for curve in keyed.curves):
+        return None
+    frames = keyed.curves[0].times / keyed.frame_time
+    if (np.abs(frames - np.rint(frames)) > 1e-6 * np.maximum(frames, 1.0)).any():
+        return None
+    return tuple(int(frame) for frame in np.rint(frames))
 
 
 def _check_skeletons(a: Skeleton, b: Skeleton) -> None:

@@ -40,11 +40,10 @@ def read(file: File) -> Path:
     path, lines = {".csv": _from_csv, ".json": _from_json, ".svg": path_svg.parsed}[kind](text, file)
     if not path.length > 0:
         raise FileError("all points are in one place: the path has no length", file, lines[0])
-    again = np.flatnonzero((np.diff(path.points, axis=0) == 0).all(axis=1))
-    if len(again) and kind != ".svg":  # there the ends of handles often lie together
-        line = lines[again[0] + 1]
-        place = os.fsdecode(file) if line is None else f"{os.fsdecode(file)}:{line}"
-        warnings.warn(f"{place}: the point is where the one before it is: the path has a corner there", stacklevel=3)
+    if not np.ptp(path.points[:, [0, -1]], axis=0).any():
+        raise FileError("the path goes straight up: it has no way over the ground", file, lines[0])
+    if kind != ".svg":  # there the ends of handles often lie together
+        _tell_doubled(path.points, lines, os.fsdecode(file))
     return path
 
 
@@ -93,6 +92,22 @@ def of_json(told: Any) -> Path:
 
 
 # -- in call order ---------------------------------------------------------------------------------
+
+
+def _tell_doubled(points: np.ndarray, lines: list[int | None], file: str) -> None:
+    """Warned of: points in one place, or straight above one another."""
+    same = np.diff(points, axis=0) == 0
+    for doubled, told in (
+        (same.all(axis=1), "where the one before it is: the path has a corner there"),
+        (
+            same[:, [0, -1]].all(axis=1) & ~same.all(axis=1),
+            "straight above or below the one before it: the path is steep",
+        ),
+    ):
+        if doubled.any():
+            line = lines[int(np.argmax(doubled)) + 1]
+            place = file if line is None else f"{file}:{line}"
+            warnings.warn(f"{place}: the point is {told}", stacklevel=4)
 
 
 def _from_csv(text: str, file: File) -> tuple[Path, list[int | None]]:

@@ -61,7 +61,7 @@ def _ways() -> dict[str, tuple[tuple[float, ...], str, Callable[[Motion, float],
             lambda m, x: reduce(m, tolerance=f"{x:g}%height", quality="fast"),
         ),
         "split": (DEGREES, "{:g} degrees", lambda m, x: reduce(m, tolerance=f"{x:g}deg", method="split")),
-        "split by ratio": (RATIOS, "ratio {:g}", lambda m, x: reduce(m, method="split", ratio=x)),
+        "split by ratio": (RATIOS, "ratio {:g}", lambda m, x: reduce(m, method="split", tolerance=f"{x:g}ratio")),
     }
 
 

@@ -1,6 +1,6 @@
 """Motion as B-splines: one basis for all channels of a clip, and a coefficient of each at each of its places.
 
-Sudarsky and House 1998, sections 3 and 4: what is done to the coefficients is done to the curves.
+Sudarsky and House 1998, section 3: what is done to the coefficients is done to the curves.
 """
 
 from __future__ import annotations

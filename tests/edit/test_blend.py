@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from chains import keys, samples
-from turning import ALONG, FRAME_TIME, apart, heading, spline, turning, widest_step
+from turning import ALONG, FRAME_TIME, FRAMES, apart, heading, spline, turning, widest_step
 
 import mocurve as mc
 from mocurve import Mismatch, OptionError, UnknownName, kinematics, rotation
@@ -61,6 +61,18 @@ def test_nothing_flips(name: str) -> None:
         heading(made), (first + second) / 2, atol=1.5
     )  # tilts blend too: not a heading's exact mean
     assert np.abs(np.diff(made.values, axis=0)).max() < 7.0  # nor do the channels
+
+
+@pytest.mark.parametrize("lean", [20.0, 45.0, 70.0])
+@pytest.mark.parametrize("turned", [430.0, 1330.0])
+def test_a_body_that_spins_while_it_leans_does_not_flip(lean: float, turned: float) -> None:
+    spin = rotation.from_euler(turned * ALONG[:, None], "Y")
+    leaning = rotation.mul(rotation.from_euler(np.full((FRAMES, 1), lean), "X"), spin)
+    angles = rotation.to_euler(leaning, "ZXY")
+    a = turning(0 * ALONG, 0.0)
+    b = replace(a, values=np.hstack([a.values[:, :3], angles]))
+    for weight in (0.25, 0.5, 0.75):
+        assert widest_step(mc.blend(a, b, weight)) < 1.05 * widest_step(b)
 
 
 def test_between_is_on_the_shorter_arc_at_even_speed(jump_and_later: tuple[mc.Motion, mc.Motion]) -> None:

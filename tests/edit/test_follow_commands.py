@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path as File
 
 import numpy as np
@@ -67,7 +68,7 @@ def test_points_moved_in_the_file_move_the_clip(folder: File, capsys: pytest.Cap
     rows = [",".join(str(float(cell) + 10) for cell in line.split(",")) for line in lines[2:]]
     (folder / "p.csv").write_text("\n".join([*lines[:2], *rows]))
     told = run(capsys, "follow jump.bvh --path p.csv -o moved.npz")
-    assert told["turned"] < 1e-6
+    assert told["measured"]["turned"] < 1e-6
     clip = mc.read("jump.bvh")
     np.testing.assert_allclose(world(mc.read("moved.npz")), world(clip) + np.array([10, 0, 10]), atol=1e-6)
     back = run(capsys, "path jump.bvh -o own.csv --points 6")
@@ -76,10 +77,33 @@ def test_points_moved_in_the_file_move_the_clip(folder: File, capsys: pytest.Cap
     np.testing.assert_allclose(mc.read("back.npz").values, clip.values, atol=1e-9)
 
 
+def test_a_clip_that_goes_nowhere_is_told(folder: File, capsys: pytest.CaptureFixture[str]) -> None:
+    clip = mc.read("jump.bvh")
+    values = np.array(clip.values)
+    values[:, :3] = values[0, :3]
+    mc.write("stands.bvh", replace(clip, values=values))
+    assert cli.main(["path", "stands.bvh", "-o", "p.csv"]) == 0
+    assert "the clip goes nowhere: its path has no length" in capsys.readouterr().err
+    assert "all points are in one place" in refused(capsys, "follow stands.bvh --path p.csv -o a.bvh")
+
+
+def test_bare_points_of_the_own_path_are_known(folder: File, capsys: pytest.CaptureFixture[str]) -> None:
+    run(capsys, "path jump.bvh -o p.csv --points 7 --degree 5")
+    rows = (folder / "p.csv").read_text().splitlines()[2:]
+    (folder / "bare.csv").write_text("\n".join(rows))
+    assert run(capsys, "follow jump.bvh --path bare.csv -o same.bvh")["measured"]["first"] is None
+    shifted = [",".join(str(float(cell) + 10) for cell in row.split(",")) for row in rows]
+    (folder / "shifted.csv").write_text("\n".join(shifted))
+    run(capsys, "follow jump.bvh --path shifted.csv -o moved.npz")
+    there = world(mc.read("jump.bvh")) + np.array([10, 0, 10])
+    np.testing.assert_allclose(world(mc.read("moved.npz")), there, atol=1e-9)
+    run(capsys, "follow jump.bvh --path bare.csv -o span.bvh --mode span")
+
+
 def test_a_drawing_is_filled_with_cycles_and_shown(folder: File, capsys: pytest.CaptureFixture[str]) -> None:
     (folder / "tour.svg").write_text('<svg><path d="M 0 0 C 40 0 40 60 0 60 S -40 120 0 120"/></svg>')
     told = run(capsys, "follow jump.bvh --path tour.svg -o tour.bvh --at-end cycle --html a.html --picture a.png")
-    assert told["cycles"] > 3
+    assert told["measured"]["cycles"] > 3
     assert len(told["table"]["frame"]) == told["frames"]
     assert (folder / "a.png").read_bytes().startswith(b"\x89PNG")
     assert b"cycles" in (folder / "a.html").read_bytes()
@@ -92,8 +116,9 @@ def test_without_json_it_says_what_it_did(folder: File, capsys: pytest.CaptureFi
     assert "wrote p.csv" in out
     assert "wrote p.html" in out
     (folder / "short.csv").write_text("0,0\n0,10\n")
-    assert cli.main(["follow", "jump.bvh", "--path", "short.csv", "-o", "far.bvh"]) == 0
+    assert cli.main(["follow", "jump.bvh", "--path", "short.csv", "-o", "far.bvh", "--picture", "far.png"]) == 0
     out = capsys.readouterr().out
+    assert "wrote far.png" in out
     assert "lie straight on behind its end" in out
     assert "changed: frames 0 to 419" in out
 
@@ -101,7 +126,7 @@ def test_without_json_it_says_what_it_did(folder: File, capsys: pytest.CaptureFi
 def test_of_says_which_path_a_clip_is_on(folder: File, capsys: pytest.CaptureFixture[str]) -> None:
     (folder / "a.csv").write_text("5,10\n5,30\n15,50\n")
     told = run(capsys, "follow jump.bvh --path a.csv --of a.csv -o same.bvh")
-    assert told["first"] is None
+    assert told["measured"]["first"] is None
     assert told["of"]["points"] == [[5, 10], [5, 30], [15, 50]]
 
 
@@ -113,7 +138,7 @@ def test_of_says_which_path_a_clip_is_on(folder: File, capsys: pytest.CaptureFix
         ("path jump.bvh -o p.csv --points 1000", "a path of 1000 control points takes as many frames"),
         ("path jump.bvh -o p.csv --track rot", "Did you mean 'root'?"),
         ("path jump.bvh -o p.svg --degree 5 --points 8", "an .svg has curves up to degree 3, not 5"),
-        ("path jump.bvh -o p.csv --picture p.jpg", "the extension of a picture is .png, not '.jpg'"),
+        ("path jump.bvh -o p.csv --picture p.jpg", "the extension of a picture is .png or .gif, not '.jpg'"),
         ("follow jump.bvh --path good.csv -o a.bvh --html a.png", "the extension of a page is .html, not '.png'"),
         ("follow jump.bvh --path none.csv -o a.bvh", "none.csv: no such file"),
         ("follow jump.bvh --path bad.csv -o a.bvh", "bad.csv:2: column 2: a number expected, 'x' found"),

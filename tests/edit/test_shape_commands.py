@@ -66,7 +66,7 @@ def test_limit_works_with_no_option(files: Path, capsys: pytest.CaptureFixture[s
     assert lines[2].startswith("within: LeftLeg.flexion (0 to 150), ")
     assert lines[3] == "0 frames changed; largest violation 0, now 0"
     told = run(capsys, "limit", a, "-o", out)
-    assert len(told["angles"]) == 12
+    assert len(told["measured"]["angles"]) == 12
     assert mc.read(out).values.tobytes() == mc.read(a).values.tobytes()
 
 
@@ -76,7 +76,7 @@ def test_limit_takes_channels_and_angles(files: Path, capsys: pytest.CaptureFixt
     high = float(np.median(values))
     told = run(capsys, "limit", keys, "-o", out, "--limit", f"{ARM}=:{high}")
     assert told["kind"] == "KeyedMotion"
-    assert told["after"] <= 1e-6 < told["before"]
+    assert told["measured"]["after"] <= 1e-6 < told["measured"]["before"]
     npz = files / "out.npz"
     words = ["--limit", f"{ARM}=-90:45", "--limit", "*Leg.flexion=25:", "--only", "*Leg"]
     lines = said(capsys, "limit", files / "a.npz", "-o", npz, *words)

@@ -13,7 +13,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import mocurve as mc
-from mocurve import HermiteCurve, KeyedMotion, Mismatch, MocurveError, Motion, OptionError, Skeleton, UnknownName
+from mocurve import KeyedMotion, Mismatch, MocurveError, Motion, OptionError, Skeleton, UnknownName
 from mocurve.feet.planted import planted
 from mocurve.kinematics import rest_height
 from mocurve.reduction import ALIGNMENTS, METHODS, QUALITIES
@@ -291,7 +291,11 @@ def test_the_report_tells_what_is_measured(cut: Motion, samples: Samples, astray
     ("options", "kind", "message"),
     [
         ({"method": "optimul"}, UnknownName, "no method 'optimul'. Did you mean 'optimal'?"),
-        ({"method": None}, UnknownName, "no method 'None'. There is: optimal, split, dynamic, linear."),
+        (
+            {"method": None},
+            UnknownName,
+            "no method 'None'. There is: optimal, split, dynamic, linear, salient, broken, ",
+        ),
         ({"method": ["split"]}, UnknownName, "no method \"['split']\". "),
         ({"quality": "bst"}, UnknownName, "no quality 'bst'. Did you mean 'best'?"),
         ({"align": "joints"}, UnknownName, "no alignment 'joints'. Did you mean 'joint'?"),
@@ -302,10 +306,20 @@ def test_the_report_tells_what_is_measured(cut: Motion, samples: Samples, astray
         ({"tolerance": "2"}, OptionError, "tolerance '2': a number and a unit are expected"),
         ({"tolerance": 2}, OptionError, "a tolerance is a text with its unit"),
         ({"tolerance": "C=1u"}, UnknownName, "no joint 'C'. There is: A, B."),
-        ({"ratio": 0.01}, OptionError, "a ratio goes with method 'split' and align 'channel', and takes the place"),
-        ({"ratio": -1.0, "method": "split"}, OptionError, "a ratio is a number from 0 up, like 0.005, not -1.0"),
-        ({"ratio": np.nan, "method": "split"}, OptionError, "a ratio is a number from 0 up, like 0.005, not nan"),
-        ({"ratio": "x", "method": "split"}, OptionError, "a ratio is a number from 0 up, like 0.005, not 'x'"),
+        ({"tolerance": "0.01ratio"}, OptionError, "a tolerance in ratio goes with method split"),
+        (
+            {"tolerance": "3%span", "method": "salient"},
+            OptionError,
+            "a tolerance in %span goes with method probe or cl",
+        ),
+        (
+            {"tolerance": "0.01ratio", "method": "split", "align": "pose"},
+            OptionError,
+            "a tolerance in ratio goes with ",
+        ),
+        ({"tolerance": ["0.01ratio", "2u"], "method": "split"}, OptionError, "a tolerance in ratio is for the whole "),
+        ({"tolerance": "A=0.01ratio", "method": "split"}, OptionError, "a tolerance in ratio is for the whole clip"),
+        ({"tolerance": "-1ratio", "method": "split"}, OptionError, "tolerance '-1ratio': the amount must be a number "),
     ],
 )
 def test_a_wrong_option_is_refused_in_words(options: dict, kind: type[MocurveError], message: str) -> None:
@@ -346,12 +360,11 @@ def test_a_joint_on_which_nothing_hangs_needs_a_limit_in_degrees() -> None:
 
 
 def test_the_ratio_of_the_thesis_promises_nothing_and_is_told() -> None:
-    keys = mc.reduce(lines(), method="split", ratio=0.01)
+    keys = mc.reduce(lines(), method="split", tolerance="0.01ratio")
     assert keys.report is not None
     assert keys.report.lower_bound is None
-    assert keys.report.tolerance is not None
-    assert "ratio 0.01" in keys.report.tolerance
-    counts = [mc.reduce(lines(), method="split", ratio=ratio).keys for ratio in (0.001, 0.01, 0.1)]
+    assert keys.report.tolerance == "0.01ratio"
+    counts = [mc.reduce(lines(), method="split", tolerance=f"{ratio}ratio").keys for ratio in (0.001, 0.01, 0.1)]
     assert counts[0] >= counts[1] >= counts[2]
     assert counts[0] > counts[2]
 
@@ -375,24 +388,3 @@ def test_refined_keys_are_as_many_nearer_and_keep_the_promise(
         assert (squares[1] <= squares[0] * (1 + 1e-9) + 1e-12).all()
     else:
         assert np.mean(astray(cut, better) ** 2) <= np.mean(astray(cut, keys) ** 2) * (1 + 1e-9)
-
-
-def test_refining_coarse_keys_makes_them_better(cut: Motion, samples: Samples) -> None:
-    keys = mc.reduce(cut, method="split", ratio=0.05)
-    better = mc.refine(keys, cut)
-    before, after = (np.mean(apart(cut, samples(each)) ** 2) for each in (keys, better))
-    assert after < 0.9 * before
-
-
-def test_refine_refuses_what_does_not_fit(cut: Motion) -> None:
-    keys = mc.reduce(lines(), tolerance="1deg")
-    with pytest.raises(Mismatch, match=r"are not the same motion: channels or frames differ$"):
-        mc.refine(keys, cut)
-    with pytest.raises(Mismatch, match=r"are not the same motion: channels or frames differ$"):
-        mc.refine(keys, lines(49))
-    shifted = HermiteCurve([0.0, 0.031, 0.98], [3.0, 3.0, 3.0], [0.0, 0.0, 0.0])
-    with pytest.raises(Mismatch, match=r"the keys of 'A.Xposition' do not lie on frames"):
-        mc.refine(replace(keys, curves=(shifted, *keys.curves[1:])), lines())
-    short = HermiteCurve([0.0, 0.5], [3.0, 3.0], [0.0, 0.0])
-    with pytest.raises(Mismatch, match=r"the keys of 'A.Xposition' do not reach from the first frame to the last"):
-        mc.refine(replace(keys, curves=(short, *keys.curves[1:])), lines())

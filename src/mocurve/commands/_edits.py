@@ -47,8 +47,7 @@ class Edited:
         if isinstance(self.clip, SplineMotion):
             size["coefficients"] = len(self.clip.values)
         step = {k: v for k, v in self.clip.history[-1].items() if k not in ("with", "performance")}
-        found = step.pop("measured", {})
-        return {**step, **size, **(found if isinstance(found, dict) else {"measured": found}), **self.numbers}
+        return {**step, **size, **self.numbers}
 
 
 def check_files(output: Path, *sources: Path) -> None:
@@ -58,10 +57,10 @@ def check_files(output: Path, *sources: Path) -> None:
         check_outputs(source, output)
 
 
-def finish(made: Edited, output: Path, profile: str | None, lossless: bool, json: bool) -> None:
-    """Write the result and tell the numbers."""
+def finish(made: Edited, output: Path, profile: str | None, lossless: bool, json: bool, *also: Path | None) -> None:
+    """Write the result and tell the numbers, and what else was written."""
     write(output, made.clip, profile=profile, lossless=lossless)
-    tell(made, json, output)
+    tell(made, json, output, *also)
 
 
 def changed(before: Clip, after: Clip) -> dict[str, Any]:

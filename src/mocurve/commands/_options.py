@@ -56,7 +56,8 @@ def _options(verb: Callable[..., Any]) -> list[inspect.Parameter]:
     for option in inspect.signature(verb).parameters.values():
         if option.kind is option.KEYWORD_ONLY:
             off = f"--no-{option.name.replace('_', '-')}" if option.default is True else ()
-            given = Parameter(help=told[option.name], negative=off)
+            several = kinds[option.name] == Sequence[int | str] | None  # --pin 30 70, as well as --pin 30 --pin 70
+            given = Parameter(help=told[option.name], negative=off, consume_multiple=several)
             options.append(option.replace(annotation=Annotated[_typed(kinds[option.name]), given]))
     return options
 
@@ -74,6 +75,8 @@ def _typed(hint: Any) -> Any:
         return Path | None
     if hint == str | float | None:
         return str | None
+    if hint == Sequence[int | str] | None:
+        return list[str] | None
     return list[str] if hint in (str | Sequence[str], str | list[str]) else hint
 
 

@@ -52,7 +52,7 @@ def interpolate(
     json: Json = False,
     **options: Any,
 ) -> None:
-    """Between motions of one kind, brought in step: a walk and a run, and what lies between or beyond.
+    """Between motions of one kind, brought in step: a walk, a run, and what lies between or beyond.
 
     Moments that look alike are found, and poses, timing and the way the body goes
     are mixed there. Of gaits, --method fourier takes one cycle of each clip.

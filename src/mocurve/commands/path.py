@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 from pathlib import Path as File
 from typing import Annotated, Any
@@ -20,7 +21,7 @@ from ._options import Html, Json, Source, Unit, check_outputs, tell, with_option
 from ._terminal import told_when_compiling
 
 Output = Annotated[File, Parameter(name=("--output", "-o"), help="Where the path goes: .csv, .json or .svg.")]
-Picture = Annotated[File | None, Parameter(help="Draw the paths, seen from above, as .png here.")]
+Picture = Annotated[File | None, Parameter(help="Draw paths and figures, from above and in four views: .png, or .gif.")]
 
 
 @dataclass(frozen=True)
@@ -75,6 +76,8 @@ def path(
     clip = read(file, unit=unit)
     made = Path.of(clip, **options)
     found = fitted(made, clip)
+    if not made.length > 0:
+        warnings.warn("the clip goes nowhere: its path has no length, and nothing follows it", stacklevel=2)
     made.write(output)
     draw(clip, made, html, picture, str(found))
     tell(found, json, output, html, picture)
@@ -83,9 +86,9 @@ def path(
 def check_pictures(source: File, html: File | None, picture: File | None) -> None:
     """Refused before work is done: a picture that is none, or over the clip."""
     check_outputs(source, html, picture)
-    for target, what, kind in ((html, "page", ".html"), (picture, "picture", ".png")):
-        if target is not None and target.suffix.lower() != kind:
-            raise OptionError(f"{target}: the extension of a {what} is {kind}, not {target.suffix!r}")
+    for target, what, kinds in ((html, "page", (".html",)), (picture, "picture", (".png", ".gif"))):
+        if target is not None and target.suffix.lower() not in kinds:
+            raise OptionError(f"{target}: the extension of a {what} is {' or '.join(kinds)}, not {target.suffix!r}")
 
 
 def fitted(made: Path, clip: Clip) -> Fitted:

@@ -47,10 +47,12 @@ def reduce(
       @1.2..2.0=0.2mm        only from second 1.2 to second 2.0
       LeftHand@1..2=0.2mm    both
       0.3sigma               a part of each channel's noise (with --denoise)
+    Or ask for a number of whole poses: --keys 16, with --pin where keys have to be.
 
     For example:
       mocurve reduce jump.bvh -o jump.curves.json --html jump.html
       mocurve reduce jump.bvh -o jump.glb --profile linear --tolerance 5mm
+      mocurve reduce jump.bvh -o blocked.curves.json --keys 16 --pin 0.8s --pin contacts
       mocurve reduce jump.bvh -o small.bvh --tolerance 2mm --tolerance '*Hand=0.5mm'
     """
     check_outputs(file, output, html)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from .. import rotation
+from ._turns import told_axis
 
 KERNEL = np.array([1.0, 4.0, 6.0, 4.0, 1.0]) / 16.0
 LONG = np.radians(150.0)  # a joint that turns further away from its first pose may turn on and on
@@ -54,9 +55,9 @@ def turned(wxyz: np.ndarray, gains: np.ndarray) -> tuple[np.ndarray, np.ndarray]
     track = rotation.unroll(wxyz)
     away = rotation.mul(rotation.inv(track[:1]), track)
     far = 2.0 * np.arccos(np.clip(away[:, 0].min(initial=1.0), -1.0, 1.0)) > LONG
-    told = (track[:, 1:] ** 2 + track[:, :1] ** 2).min(axis=0, initial=1.0)  # (3,) where it is 0 a twist is not defined
-    axis = int(np.argmax(told))
-    if not far or told[axis] < UNTOLD:
+    axis = told_axis(track)
+    least = (track[:, 1 + axis] ** 2 + track[:, 0] ** 2).min(initial=1.0)  # where it is 0 a twist is not defined
+    if not far or least < UNTOLD:
         return _of_track(track, gains)
     twist = 2.0 * np.unwrap(np.arctan2(track[:, 1 + axis], track[:, 0]))[:, None]
     about = np.eye(3)[axis]

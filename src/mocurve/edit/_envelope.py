@@ -1,4 +1,4 @@
-"""One smooth displacement for each run of values beyond a limit (Sudarsky and House 1998, section 4).
+"""One smooth displacement for each run of values beyond a limit (Sudarsky and House 1998, joint limits).
 
 It is as large as the violation where that is worst, nowhere smaller, and gone within the support. How: the largest
 violation nearby (a running maximum as wide as half the support) is smoothed by a kernel just as wide, so at every frame

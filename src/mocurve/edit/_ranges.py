@@ -161,17 +161,9 @@ def nearest_euler(wxyz: np.ndarray, order: str, near: np.ndarray) -> np.ndarray:
 
 def parse(given: Any, what: str) -> dict[str, End]:
     """{name: (low, high)} from a mapping or from texts "LeftArm.Zrotation=-90:45"; None for a side left open."""
-    if isinstance(given, Mapping):
-        entries = list(given.items())
-    else:
-        entries = []
-        for item in [given] if isinstance(given, str) else given:
-            name, equals, text = item.rpartition("=") if isinstance(item, str) else ("", "", "")
-            if not equals or not name.strip():
-                raise OptionError(f"a {what} is NAME=LOW:HIGH, like LeftArm.Zrotation=-90:45; not {item!r}")
-            entries.append((name.strip(), text.split(":")))
     found = {}
-    for name, ends in entries:
+    for name, ends in by_name(given, f"a {what} is NAME=LOW:HIGH, like LeftArm.Zrotation=-90:45"):
+        ends = ends.split(":") if isinstance(ends, str) else ends
         try:
             low, high = (None if end is None or end == "" else float(end) for end in ends)
         except (TypeError, ValueError):
@@ -186,6 +178,19 @@ def parse(given: Any, what: str) -> dict[str, End]:
             )
         found[str(name)] = (low, high)
     return found
+
+
+def by_name(given: Any, form: str) -> list[tuple[str, Any]]:
+    """Names and what is said of each, from a mapping or from texts NAME=...; OptionError says the form."""
+    if isinstance(given, Mapping):
+        return list(given.items())
+    entries = []
+    for item in [given] if isinstance(given, str) else given:
+        name, equals, text = item.rpartition("=") if isinstance(item, str) else ("", "", "")
+        if not equals or not name.strip():
+            raise OptionError(f"{form}; not {item!r}")
+        entries.append((name.strip(), text))
+    return entries
 
 
 def _ways(wxyz: np.ndarray, order: str, near: np.ndarray) -> np.ndarray:

@@ -63,7 +63,7 @@ def mean(turns: np.ndarray, weights: np.ndarray) -> np.ndarray:
 def _counted(turns: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """The mean where the turning about one axis is an angle (N, F), and what is left are rotation vectors."""
     angles = 2.0 * np.unwrap(np.arctan2(turns[..., 1:], turns[..., :1]), axis=-2)  # (N, F, 3) twist about each axis
-    axis = int(np.argmax(np.ptp(angles, axis=1).max(axis=0)))
+    axis = told_axis(turns)
     angle = angles[..., axis] - 2.0 * np.pi * np.rint(angles[:, :1, axis] / (2.0 * np.pi))
     about = np.eye(3)[axis]
     left = rotation.mul(rotation.inv(rotation.exp(angle[..., None] * about)), turns)
@@ -71,6 +71,13 @@ def _counted(turns: np.ndarray, weights: np.ndarray) -> np.ndarray:
     weights = weights.reshape(len(turns), -1)  # (N, 1) or (N, F)
     twist = rotation.exp((weights * angle).sum(axis=0)[:, None] * about)
     return rotation.mul(twist, rotation.exp((weights[..., None] * rest).sum(axis=0)))
+
+
+def told_axis(turns: np.ndarray) -> int:
+    """The coordinate axis whose twist is told best throughout: where what is left of a rotation (..., 4) without it
+    comes least near a half turn, at which it is not defined."""
+    told = turns[..., 1:] ** 2 + turns[..., :1] ** 2
+    return int(np.argmax(told.reshape(-1, 3).min(axis=0, initial=1.0)))
 
 
 def _continuous(turn: np.ndarray) -> np.ndarray:

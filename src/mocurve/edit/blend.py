@@ -1,4 +1,4 @@
-"""The verb `blend`: between two clips (Sudarsky and House 1998, section 4.1; rotations as in Shoemake 1985)."""
+"""The verb `blend`: between two clips (Sudarsky and House 1998, blending; rotations as in Shoemake 1985)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The verb `retime`: slower here, faster there (Sudarsky and House 1998, section 4.3; Witkin and Popović 1995)."""
+"""The verb `retime`: slower here, faster there (Sudarsky and House 1998, time constraints; Witkin and Popović 1995)."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 """The verb `warp`: curves bent so that they go through given values (Witkin and Popović 1995; Bruderlin and Williams
-1995, displacement maps; Sudarsky and House 1998, section 4.2, on the coefficients)."""
+1995, displacement maps; Sudarsky and House 1998, motion warping, on the coefficients)."""
 
 from __future__ import annotations
 

@@ -16,6 +16,7 @@ from ..skeleton import Skeleton, matching
 from ..spline import SplineMotion
 from ._extremes import extremes
 from ._pair import complete, recorded, tell_sampled
+from ._ranges import by_name
 from ._ranges import parse as parse_ranges
 from ._slopes import speeds
 from ._time import pairs_of
@@ -114,19 +115,9 @@ def waveshape(clip: Clip, soft: Ranges = (), map: Maps = (), *, margin: float | 
 
 def _maps(given: Any) -> dict[str, list[tuple[float, float]]]:
     """{channel: pairs} from any of the forms, also "LeftArm.Zrotation=-90:-60,0:0,90:60"."""
-    if isinstance(given, Mapping):
-        entries = list(given.items())
-    else:
-        entries = []
-        for item in [given] if isinstance(given, str) else given:
-            name, equals, text = item.rpartition("=") if isinstance(item, str) else ("", "", "")
-            if not equals or not name.strip():
-                raise OptionError(
-                    f"a map is CHANNEL=OLD:NEW,OLD:NEW, like LeftArm.Zrotation=-90:-60,90:60; not {item!r}"
-                )
-            entries.append((name.strip(), text))
     found = {}
-    for name, given_pairs in entries:
+    form = "a map is CHANNEL=OLD:NEW,OLD:NEW, like LeftArm.Zrotation=-90:-60,90:60"
+    for name, given_pairs in by_name(given, form):
         try:
             pairs = sorted(pairs_of(given_pairs))
         except OptionError:

@@ -99,11 +99,14 @@ def _signs(x: np.ndarray) -> np.ndarray:
     return np.where(last >= 0, signs[last], signs[np.argmax(signs != 0)] if len(x) else 0.0)
 
 
-def refine_keys(keys: Keys, middle: np.ndarray, half: np.ndarray | None = None) -> Keys:
+def refine_keys(
+    keys: Keys, middle: np.ndarray, half: np.ndarray | None = None, pinned: np.ndarray | None = None
+) -> Keys:
     """The same number of keys with a smaller or equal sum of squared errors to middle (M, F), by dynamic programming.
 
     half: (M, F) a band that the keys keep now and shall keep: no key moves to where a frame leaves it. The first and
-    last key stay in time, and so does a key with a broken tangent, whose two slopes turn together. Members share
+    last key stay in time, and so do those at `pinned` frames (F,) and a key with a broken tangent, whose two slopes
+    turn together. Members share
     their times: the times move first, together, then each member's values and slopes.
     """
     middle = np.ascontiguousarray(middle)
@@ -113,6 +116,8 @@ def refine_keys(keys: Keys, middle: np.ndarray, half: np.ndarray | None = None) 
     now = tuple(np.array(part) for part in (keys.frames, keys.values, keys.slopes, arriving))
     fixed = (arriving != keys.slopes).any(axis=0)
     fixed[[0, -1]] = True
+    if pinned is not None:
+        fixed |= pinned[keys.frames]
     windows, spread = _windows(middle, *now)
     cost, idle = _cost(middle, now), 0
     for scale in 0.5 ** np.arange(ROUNDS):

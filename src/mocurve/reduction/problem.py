@@ -42,7 +42,7 @@ def problem(clip: Clip, tolerance: Sequence[str] | None, align: str, feet: float
     if not (isinstance(feet, int | float) and 0.0 < feet <= 1.0):
         raise OptionError(f"feet is a part of the tolerance, above 0 and at most 1, not {feet!r}")
     rules = None if tolerance is None else parse(tolerance)
-    motion = unroll(_numbers(clip.sample()), triples=False)
+    motion = numbers(clip)
     if rules is None:
         limits = Limits(np.full((motion.skeleton.channel_count, motion.frames), np.inf), None)
     else:
@@ -50,6 +50,22 @@ def problem(clip: Clip, tolerance: Sequence[str] | None, align: str, feet: float
     if limits.joints is not None and feet < 1.0:
         limits = replace(limits, joints=np.where(planted(motion), feet, 1.0) * limits.joints)
     return Problem(motion, limits, _groups(motion, align))
+
+
+def numbers(clip: Clip) -> Motion:
+    """The samples of a clip, without whole turns; Mismatch for one that is no number."""
+    motion = clip.sample()
+    bad = ~(np.abs(motion.values) <= LARGEST)
+    if bad.any():
+        channel = int(np.flatnonzero(bad.any(axis=0))[0])
+        frame = int(np.flatnonzero(bad[:, channel])[0])
+        name, value = motion.skeleton.channel_names[channel], motion.values[frame, channel]
+        if np.isnan(value):
+            raise Mismatch(f"channel {name!r} has no sample at frame {frame}: fill the gaps first (denoise does)")
+        raise Mismatch(
+            f"channel {name!r} has the value {value} at frame {frame}: only numbers up to {LARGEST:g} can be reduced"
+        )
+    return unroll(motion, triples=False)
 
 
 def known(kind: str, name: str, names: Any) -> None:
@@ -83,20 +99,6 @@ def curves(problem: Problem, keys: list[Keys]) -> tuple[HermiteCurve, ...]:
 
 
 # -- in call order ---------------------------------------------------------------------------------
-
-
-def _numbers(motion: Motion) -> Motion:
-    bad = ~(np.abs(motion.values) <= LARGEST)
-    if bad.any():
-        channel = int(np.flatnonzero(bad.any(axis=0))[0])
-        frame = int(np.flatnonzero(bad[:, channel])[0])
-        name, value = motion.skeleton.channel_names[channel], motion.values[frame, channel]
-        if np.isnan(value):
-            raise Mismatch(f"channel {name!r} has no sample at frame {frame}: fill the gaps first (denoise does)")
-        raise Mismatch(
-            f"channel {name!r} has the value {value} at frame {frame}: only numbers up to {LARGEST:g} can be reduced"
-        )
-    return motion
 
 
 def _groups(motion: Motion, align: str) -> list[np.ndarray]:
@@ -150,3 +152,28 @@ def _repaired(keys: Keys, samples: np.ndarray, broken: np.ndarray) -> Keys:
     arriving = slopes.copy()
     arriving[:, kept] = keys.in_slopes[:, old]
     return Keys(at, values, slopes, arriving)
+
+
+def with_pins(keys: Keys, pinned: np.ndarray) -> Keys:
+    """The same curves with keys at the pinned frames (F,), too: a cubic cut in two is the same two cubics."""
+    at = np.flatnonzero(pinned)
+    new = np.setdiff1d(at, keys.frames)
+    if len(new) == 0 or at[-1] == 0 or (len(keys.frames) == 1 and len(at) == 2):
+        return keys
+    if len(keys.frames) == 1:
+        return Keys(at, np.repeat(keys.values, len(at), axis=1), np.zeros((len(keys.values), len(at))))
+    frames = np.union1d(keys.frames, new)
+    old, cut = np.searchsorted(frames, keys.frames), np.searchsorted(frames, new)
+    q = np.searchsorted(keys.frames, new) - 1
+    arriving = keys.slopes if keys.in_slopes is None else keys.in_slopes
+    h = (keys.frames[q + 1] - keys.frames[q]).astype(np.float64)
+    u = (new - keys.frames[q]) / h
+    start, end = keys.values[:, q], keys.values[:, q + 1]
+    first, last = h * keys.slopes[:, q], h * arriving[:, q + 1]
+    rise = end - start
+    two, three = 3.0 * rise - 2.0 * first - last, first + last - 2.0 * rise
+    states = np.empty((3, len(keys.values), len(frames)))
+    states[:, :, old] = keys.values, keys.slopes, arriving
+    slope = (first + u * (2.0 * two + 3.0 * u * three)) / h
+    states[:, :, cut] = start + u * (first + u * (two + u * three)), slope, slope
+    return Keys(frames, states[0], states[1], None if keys.in_slopes is None else states[2])

@@ -20,7 +20,7 @@ from ..motion import Clip, Motion
 from ..skeleton import Skeleton
 from .problem import Problem, problem
 from .slerp_search import Track, Way, search
-from .tolerance import DEFAULT
+from .tolerance import DEFAULT, bounds
 
 
 class JointTracks(NamedTuple):
@@ -71,7 +71,7 @@ def _making(clip: Clip) -> dict[str, Any]:
     made = next((step for step in reversed(clip.history) if "tolerance" in step), {})
     # a report that was measured on other curves tells nothing of these
     same = getattr(clip.report.clips[1], "curves", None) is clip.curves
-    return made if same and made.get("tolerance") else {}
+    return made if same and bounds(made.get("tolerance")) else {}
 
 
 def ways_of(asked: Problem) -> list[Way]:

@@ -5,6 +5,9 @@ A rule is "[name][@start..end]=amount": "2mm", "0.1%height", "LeftHand=0.5mm", "
 units) and %height bound how far joints and end sites move in the world; amounts in deg, %range and sigma (of the noise
 that denoising found in the channel) bound the channels' own values. Both kinds may be asked at once: ["2mm", "5deg"]
 moves nothing by more than 2 mm and turns nothing by more than 5 degrees.
+
+Amounts in ratio (method split: height over base) and %span (methods probe and cluster: of a posture, what the keys do
+not make) are the papers' own thresholds. Each stands alone, for the whole clip, and bounds nothing in space.
 """
 
 from __future__ import annotations
@@ -28,6 +31,7 @@ LEAST_SIGMA = 0.05  # degrees: for a channel that has next to no noise, so that 
 METRES = {"mm": 0.001, "cm": 0.01, "m": 1.0, "in": 0.0254, "inch": 0.0254, "ft": 0.3048}
 WORLD_UNITS = (*METRES, "u", "%height")
 CHANNEL_UNITS = ("deg", "%range", "sigma")
+THRESHOLDS = {"ratio": ("split",), "%span": ("probe", "cluster")}  # units of the papers -> the methods that have them
 
 _RULE = re.compile(r"(?:(?P<name>[^@]*?)(?:@(?P<start>[^@]*?)\.\.(?P<end>[^@]*))?=)?(?P<amount>[^=]+)", re.DOTALL)
 _AMOUNT = re.compile(r"\s*(?P<number>[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(?P<unit>%?\s*[A-Za-z]+)\s*")
@@ -70,13 +74,25 @@ def parse(tolerance: str | Sequence[str]) -> tuple[Rule, ...]:
             f"a tolerance is a text with its unit, like '2mm' or '0.5deg' (or a list of such), not {tolerance!r}"
         )
     rules = tuple(_rule(text) for text in texts)
+    own = next((rule for rule in rules if rule.unit in THRESHOLDS), None)
+    if own is not None and (len(rules) > 1 or own.name is not None or own.start is not None or own.end is not None):
+        raise OptionError(f"a tolerance in {own.unit} is for the whole clip, and no other goes with it")
     if not any(rule.name is None and rule.start is None and rule.end is None for rule in rules):
         rules = (_rule(DEFAULT), *rules)
     return rules
 
 
+def bounds(tolerance: Sequence[str] | None) -> Sequence[str] | None:
+    """The tolerance, or None where it is a paper's own threshold, which bounds nothing."""
+    return None if not tolerance or parse(tolerance)[0].unit in THRESHOLDS else tolerance
+
+
 def resolve(rules: Sequence[Rule], motion: Motion) -> Limits:
-    """What the rules allow each channel and each joint at each frame of the (unrolled) motion."""
+    """What the rules allow each channel and each joint at each frame of the (unrolled) motion. OptionError for the
+    threshold of a method, which bounds neither."""
+    for rule in rules:
+        if rule.unit in THRESHOLDS:
+            raise OptionError(f"a tolerance in {rule.unit} goes with method {' or '.join(THRESHOLDS[rule.unit])}")
     skeleton = motion.skeleton
     channels = np.full((skeleton.channel_count, motion.frames), np.inf)
     joints = np.full((len(skeleton.names), motion.frames), np.inf)
@@ -154,7 +170,7 @@ def _frames(rule: Rule, motion: Motion) -> np.ndarray:
 
 
 def _rule(text: str) -> Rule:
-    known = ", ".join((*WORLD_UNITS, *CHANNEL_UNITS))
+    known = ", ".join((*WORLD_UNITS, *CHANNEL_UNITS, *THRESHOLDS))
     parts = _RULE.fullmatch(text.strip())
     amount = _AMOUNT.fullmatch(parts["amount"]) if parts else None
     if parts is None or amount is None:
@@ -162,7 +178,7 @@ def _rule(text: str) -> Rule:
             f"tolerance {text!r}: a number and a unit are expected, like 2mm or LeftHand@1.2..2.0=0.5mm; units: {known}"
         )
     unit = amount["unit"].replace(" ", "")
-    if unit not in (*WORLD_UNITS, *CHANNEL_UNITS):
+    if unit not in (*WORLD_UNITS, *CHANNEL_UNITS, *THRESHOLDS):
         raise OptionError(f"tolerance {text!r}: no unit {unit!r}; units: {known}")
     value = float(amount["number"])
     if not 0.0 <= value < np.inf:

@@ -1,25 +1,24 @@
-"""The verbs: `reduce` finds few keys for a clip, `refine` polishes the keys there are."""
+"""The verb `reduce`: few keys for a clip."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Sequence
 from dataclasses import replace
 from time import perf_counter
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from .. import progress
-from ..errors import Mismatch, OptionError
+from ..errors import OptionError
 from ..keyed import KeyedMotion
-from ..measure import compare
-from ..motion import Clip, Motion
-from . import dynamic, split, world
-from .bound import lower_bound
+from ..motion import Clip
+from . import split, world
 from .keys import Keys
-from .problem import Problem, curves, held, known, problem
-from .tolerance import DEFAULT, OF_NOISE, parse
+from .poses import CHOOSERS, Pins, pins, with_fewer, with_number, within_limits, within_span
+from .problem import ALIGNMENTS, Problem, held, known, problem, with_pins
+from .refine import polished
+from .reported import reported, side_by_side
+from .tolerance import DEFAULT, OF_NOISE, THRESHOLDS, parse
 
 
 class Method(NamedTuple):
@@ -35,14 +34,16 @@ def reduce(
     clip: Clip,
     *,
     tolerance: str | Sequence[str] | None = None,
+    keys: int | None = None,
+    pin: Pins | None = None,
     method: str = "optimal",
-    align: str = "channel",
+    align: str | None = None,
     quality: str = "default",
     feet: float = 0.25,
-    ratio: float | None = None,
     denoise: bool = False,
 ) -> KeyedMotion:
     """Few Hermite keys instead of a sample at every frame; nothing moves more than the tolerance, which is checked.
+    Or so many whole poses, with the least error in space.
 
     Parameters
     ----------
@@ -52,19 +53,26 @@ def reduce(
         How far anything may move: in space 2mm 0.2cm 0.05in 0.1%height 0.35u (u: file units), or of each channel's
         value 0.5deg 0.5%range. For a joint or channel, or from one second to another: LeftHand=0.5mm,
         LeftHand@1.2..2.0=0.2mm. Several hold together: 2mm and 5deg bound the twist too. None: 0.1%height, and with
-        denoise 0.3sigma, a part of each channel's noise.
+        denoise 0.3sigma, a part of each channel's noise. Or a paper's own threshold, which promises nothing: 0.01ratio
+        (split: height over base, in frames and degrees), 3%span (probe and cluster: of a posture, what no combination
+        of the keys makes).
+    keys
+        How many whole poses, in place of a tolerance: their times and curves are chosen so that the largest error in
+        space is as small as the method finds.
+    pin
+        Where a key has to be, whatever the method: a frame (40), a time (1.2s), or contacts, where a foot comes to
+        stand and where it stands last.
     method
         optimal (fewest keys), split (Lowe, after Önder), dynamic (Önder's dynamic programming), linear (straight
-        segments).
+        segments). Whole poses: optimal, broken (best for broken tangents), salient (Roberts et al.), posture (Lim and
+        Thalmann), probe (Huang et al.), cluster (Park and Shin).
     align
-        Which channels share key times: channel (none do; fewest keys), joint, or pose (all).
+        Which channels share key times: channel (none do; fewest keys), joint, or pose (all). None: pose where keys or
+        a method for whole poses is asked for, else channel.
     quality
         fast, default, good or best: fewer keys for more time.
     feet
         Part of the tolerance that planted feet get; 1 treats them like the rest.
-    ratio
-        The thesis's own threshold for method split, height over base in frames and degrees (0.001 to 0.1): it replaces
-        the tolerance and promises nothing.
     denoise
         Take noise, spikes and dropouts out first (as the verb denoise does), and hold the tolerance against what is
         left.
@@ -72,179 +80,114 @@ def reduce(
     Returns a KeyedMotion whose `report` tells keys, errors, time and the proven lower bound. Errors: OptionError for
     an option's value, UnknownName for a joint, Mismatch for samples that are no numbers.
 
-    Source: Önder 2007, chapter 3, for split and dynamic; the promise in space and the method optimal are mocurve's own.
+    Source: Önder 2007, chapter 3, for split and dynamic; the ways to choose whole poses name theirs; the promise in
+    space and the methods optimal and broken are mocurve's own.
 
-    >>> keys = mc.reduce(mc.read("walk.bvh"), tolerance="2mm")
+    >>> curves = mc.reduce(mc.read("walk.bvh"), tolerance="2mm")
+    >>> blocked = mc.reduce(mc.read("walk.bvh"), keys=16, pin=["contacts"])
     """
     from . import METHODS, QUALITIES
 
     started = perf_counter()
-    known("method", method, METHODS)
+    known("method", method, {**METHODS, **CHOOSERS})
     known("quality", quality, QUALITIES)
-    if tolerance is None:
-        tolerance = OF_NOISE if denoise else DEFAULT
-    parse(tolerance)  # refused before work is done
-    texts = [tolerance] if isinstance(tolerance, str) else list(tolerance)
+    align = _alignment(align, method, keys)
+    texts = _texts(tolerance, keys, denoise)
+    own = _threshold(texts, method, align)
     if denoise:
         from ..denoising import denoise as freed_of_noise
 
         clip = replace(freed_of_noise(clip), history=clip.history)
-    step = {"verb": "reduce", "tolerance": texts, "method": method, "align": align, "quality": quality, "feet": feet}
-    if denoise:
-        step["denoise"] = True
-    if ratio is not None:
-        return _by_ratio(clip, ratio, step, started)
-    asked = problem(clip, texts, align, feet)
-    solve, again = METHODS[method]
+    asked = problem(clip, None if own is not None else texts, align, feet)
+    pinned = pins(pin, asked.motion)
+    step: dict[str, Any] = {"verb": "reduce", "tolerance": texts, "method": method, "align": align, "quality": quality}
+    step["feet"] = feet
+    step |= {"keys": int(keys)} if keys is not None else {}
+    step |= {"pin": [one if isinstance(one, str) else int(one) for one in pin]} if pin else {}
+    step |= {"denoise": True} if denoise else {}
     tubes: list[world.Tube] = []
     if asked.motion.frames == 0:
-        keys = [Keys(np.zeros(0, np.int64), np.zeros((len(g), 0)), np.zeros((len(g), 0))) for g in asked.groups]
-    elif asked.limits.joints is None:
-        tubes = asked.bands()
-        keys = _side_by_side(lambda tube: world.group_keys(*tube, solve, quality), tubes, "reducing")
-        if denoise:  # as near to the clean curve as these keys can be
-            keys = [_polished(*each) for each in zip(held(asked, keys), tubes, strict=True)]
+        found = [Keys(np.zeros(0, np.int64), np.zeros((len(g), 0)), np.zeros((len(g), 0))) for g in asked.groups]
+    elif method in CHOOSERS or keys is not None:
+        found, tubes = _whole_poses(asked, method, pinned, keys, own, quality)
     else:
-        keys, tubes = world.fit(asked.motion, asked.groups, asked.limits, solve, again, quality)
-    return _reported(clip, asked, held(asked, keys), tubes, step, started)
-
-
-def refine(keys: KeyedMotion, original: Clip) -> KeyedMotion:
-    """The same number of keys, moved in time, value and slope until they follow the clip better: Önder 2007, section
-    3.1, as polish.
-
-    Without a promise in space the squared error of no channel grows, or its sum over channels that share their times;
-    with one, every curve is drawn towards the middle of what the promise leaves it, and the RMS error in space does not
-    grow (channels that share their times stay as they are). A promise that `reduce` made and that holds against this
-    clip still holds. Shared key times stay shared.
-    Mismatch where keys and clip have different skeletons or lengths, or a key lies between two frames.
-
-    >>> mc.refine(mc.reduce(walk, method="split"), walk)
-    """
-    started = perf_counter()
-    if not isinstance(keys, KeyedMotion):
-        raise Mismatch(f"refine moves keys, and {keys!r} has none: reduce makes keys of it")
-    made = next((step for step in reversed(keys.history) if "tolerance" in step), {})
-    asked = problem(original, made.get("tolerance"), made.get("align", "channel"), made.get("feet", 1.0))
-    before = _on_frames(keys, asked)
-    if asked.motion.frames == 0:
-        return keys
-    if asked.limits.joints is None:
-        after = [_polished(*each) for each in zip(before, asked.bands(), strict=True)]
-    else:
-        after = world.polish(asked.motion, asked.groups, asked.limits, before, dynamic.refine_keys)
-        if _error_in_space(asked, after) > _error_in_space(asked, before):
-            after = before
-    return _reported(keys, asked, after, [], {"verb": "refine", "with": list(original.history)}, started, made)
+        found, tubes = _curves(asked, METHODS[method], own, quality, denoise)
+        if method == "optimal" and align == "pose" and len(asked.groups):
+            kept = with_pins(held(asked, found)[0], pinned)
+            found = [with_fewer(asked.motion, pinned, asked.limits, kept, quality)]
+            tubes = world.ended_with(asked.motion, asked.groups, asked.limits, found)
+    found = [with_pins(one, pinned) for one in held(asked, found)]
+    return reported(clip, asked, found, tubes, step, started)
 
 
 # -- reduce, in call order -------------------------------------------------------------------------
 
 
-def _by_ratio(clip: Clip, ratio: float, step: dict[str, Any], started: float) -> KeyedMotion:
-    """The thesis's curve simplification as it stands: every channel by the ratio, then optimal tangents."""
-    if step["method"] != "split" or step["align"] != "channel" or step["tolerance"] != [DEFAULT]:
-        raise OptionError("a ratio goes with method 'split' and align 'channel', and takes the place of the tolerance")
-    if not (isinstance(ratio, int | float) and 0.0 <= ratio < np.inf):
-        raise OptionError(f"a ratio is a number from 0 up, like 0.005, not {ratio!r}")
-    asked = problem(clip, None, "channel", 1.0)
-    keys = [split.with_ratio(samples[0], ratio) for samples, _ in asked.bands()]
-    return _reported(clip, asked, keys, [], {**step, "tolerance": None, "ratio": ratio}, started)
+def _alignment(align: str | None, method: str, keys: int | None) -> str:
+    """Which channels share key times, where it was said or is meant; OptionError where the rest cannot go with it."""
+    whole = keys is not None or method in CHOOSERS
+    align = ("pose" if whole else "channel") if align is None else align
+    known("alignment", align, ALIGNMENTS)
+    if keys is not None and method != "optimal" and method not in CHOOSERS:
+        raise OptionError(f"a number of keys goes with the methods optimal, {', '.join(CHOOSERS)}; not with {method!r}")
+    if whole and align != "pose":
+        what = f"method {method!r}" if method in CHOOSERS else "a number of keys"
+        raise OptionError(f"{what} is for whole poses, align 'pose', not {align!r}")
+    return align
 
 
-def _side_by_side(work: Callable[[world.Tube], Any], tubes: list[world.Tube], label: str) -> list[Any]:
-    """work(tube) of every tube, one thread a core: the kernels let go of the interpreter."""
-    done = []
-    with ThreadPoolExecutor(world.cores()) as threads:
-        for result in threads.map(work, tubes):
-            done.append(result)
-            progress.advance(label, len(done), len(tubes))
-    return done
+def _texts(tolerance: str | Sequence[str] | None, keys: int | None, denoise: bool) -> list[str] | None:
+    """The tolerance as texts, refused before work is done; None where a number of keys stands for it."""
+    if keys is not None:
+        if isinstance(keys, bool) or not isinstance(keys, int | np.integer) or keys < 1:
+            raise OptionError(f"keys is a whole number of poses from 1 up, not {keys!r}")
+        if tolerance is not None:
+            raise OptionError("keys says how many, a tolerance how near: give one of them")
+        return None
+    if tolerance is None:
+        tolerance = OF_NOISE if denoise else DEFAULT
+    parse(tolerance)
+    return [tolerance] if isinstance(tolerance, str) else list(tolerance)
 
 
-def _reported(
-    clip: Clip,
-    asked: Problem,
-    keys: list[Keys],
-    tubes: list[world.Tube],
-    step: dict[str, Any],
-    started: float,
-    promised: dict[str, Any] | None = None,
-) -> KeyedMotion:
-    """The keys as a clip that carries what was measured and how it was made. promised: the step that asked for what is
-    to hold, where it is another."""
+def _threshold(texts: list[str] | None, method: str, align: str) -> float | None:
+    """The paper's own threshold, where the tolerance is one."""
+    rule = parse(texts)[0] if texts else None
+    if rule is None or rule.unit not in THRESHOLDS:
+        return None
+    if method not in THRESHOLDS[rule.unit]:
+        raise OptionError(f"a tolerance in {rule.unit} goes with method {' or '.join(THRESHOLDS[rule.unit])}")
+    if rule.unit == "ratio" and align != "channel":
+        raise OptionError(f"a tolerance in ratio goes with align 'channel', not {align!r}")
+    return rule.amount / (100.0 if rule.unit.startswith("%") else 1.0)
+
+
+def _curves(
+    asked: Problem, method: Method, own: float | None, quality: str, denoise: bool
+) -> tuple[list[Keys], list[world.Tube]]:
+    """Keys of every group within the tolerance, and the tubes that they ended with."""
+    solve, again = method
+    if own is not None:  # the thesis's curve simplification as it stands
+        return [split.with_ratio(samples[0], own) for samples, _ in asked.bands()], []
+    if asked.limits.joints is not None:
+        return world.fit(asked.motion, asked.groups, asked.limits, solve, again, quality)
+    tubes = asked.bands()
+    keys = side_by_side(lambda tube: world.group_keys(*tube, solve, quality), tubes, "reducing")
+    if denoise:  # as near to the clean curve as these keys can be
+        keys = [polished(*each) for each in zip(held(asked, keys), tubes, strict=True)]
+    return keys, tubes
+
+
+def _whole_poses(
+    asked: Problem, method: str, pinned: np.ndarray, keys: int | None, own: float | None, quality: str
+) -> tuple[list[Keys], list[world.Tube]]:
+    """Keys of all channels together: so many, or as few as keep the tolerance; and the tubes that they ended with."""
     motion = asked.motion
-    history = (*clip.history, step)
-    made = KeyedMotion(motion.skeleton, curves(asked, keys), motion.frame_time, motion.frames, history)
-    bounds = _side_by_side(lambda tube: lower_bound(*tube), tubes, "proving the lower bound")
-    of_channel = {int(k): bound for group, bound in zip(asked.groups, bounds, strict=False) for k in group}
-    report = compare(motion, made)
-    channels = [replace(row, lower_bound=of_channel.get(k)) for k, row in enumerate(report.channels)]
-    asking = step if promised is None else promised
-    told = replace(
-        report,
-        clips=(clip, made),
-        noise=getattr(clip.report, "noise", None) if isinstance(clip, Motion) else None,
-        channels=_with_tolerance(channels, asked.limits.channels),
-        joints=_with_tolerance(report.joints, asked.limits.joints),
-        lower_bound=sum(of_channel.values()) if of_channel else None,
-        seconds=perf_counter() - started,
-        tolerance=", ".join(
-            asking.get("tolerance") or ["none" if "ratio" not in asking else f"ratio {asking['ratio']:g}"]
-        ),
-        method=asking.get("method"),
-        align=asking.get("align"),
-        quality=asking.get("quality"),
-    )
-    return replace(made, report=told)
-
-
-def _with_tolerance(rows: Sequence[Any], limits: np.ndarray | None) -> tuple[Any, ...]:
-    """The rows of a report with the tightest limit (N, F) of each, where there is one."""
-    if limits is None:
-        return tuple(rows)
-    tightest = limits.min(axis=1, initial=np.inf)
-    return tuple(
-        replace(row, tolerance=float(limit)) if np.isfinite(limit) else row
-        for row, limit in zip(rows, tightest, strict=False)
-    )
-
-
-# -- refine, in call order -------------------------------------------------------------------------
-
-
-def _on_frames(keys: KeyedMotion, asked: Problem) -> list[Keys]:
-    """The curves as groups of keys on frames."""
-    motion = asked.motion
-    if keys.skeleton.channel_names != motion.skeleton.channel_names or keys.frames != motion.frames:
-        raise Mismatch(f"{keys!r} and {motion!r} are not the same motion: channels or frames differ")
-    step, last = motion.frame_time, max(motion.frames - 1, 0)
-    result = []
-    for group in asked.groups:
-        found = [keys.curves[k] for k in group]
-        frames = np.rint(found[0].times / step).astype(np.int64)
-        name = motion.skeleton.channel_names[group[0]]
-        for curve in found:
-            if len(curve) != len(frames) or (np.abs(curve.times - frames * step) > 1e-6 * step).any():
-                raise Mismatch(f"the keys of {name!r} do not lie on frames, or not on those that it shares with others")
-        if len(frames) > 1 and (frames[0] != 0 or frames[-1] != last):
-            raise Mismatch(f"the keys of {name!r} do not reach from the first frame to the last")
-        values = np.array([curve.values for curve in found])
-        slopes = np.array([curve.slopes for curve in found]) * step
-        broken = any(curve.broken for curve in found)
-        result.append(Keys(frames, values, slopes, np.array([c.in_slopes for c in found]) * step if broken else None))
-    return result
-
-
-def _polished(keys: Keys, band: world.Tube) -> Keys:
-    """Inside the band where the keys are inside it now, else without it."""
-    samples, half = band
-    now = np.array([world.samples_of(keys, member, samples.shape[1]) for member in range(len(samples))])
-    inside = bool((np.abs(now - samples) <= half).all()) and bool(np.isfinite(half).all())
-    return dynamic.refine_keys(keys, samples, half if inside else None)
-
-
-def _error_in_space(asked: Problem, keys: list[Keys]) -> float:
-    motion = asked.motion
-    made = KeyedMotion(motion.skeleton, curves(asked, keys), motion.frame_time, motion.frames)
-    return compare(motion, made).rms_error_world
+    if not asked.groups:
+        return [], []
+    if keys is not None:
+        return [with_number(motion, method, pinned, keys, quality)], []
+    if own is not None:
+        return [within_span(motion, method, pinned, own, quality)], []
+    found = [within_limits(motion, method, pinned, asked.limits)]
+    return found, world.ended_with(motion, asked.groups, asked.limits, found)

@@ -255,6 +255,15 @@ def polish(motion: Motion, groups: list[np.ndarray], limits: Limits, keys: list[
     return polished
 
 
+def ended_with(motion: Motion, groups: list[np.ndarray], limits: Limits, keys: list[Keys]) -> list[Tube]:
+    """The tubes of groups that have these keys; bands where no joint is limited."""
+    if limits.joints is None:
+        return [(np.ascontiguousarray(motion.values.T[group]), limits.channels[group]) for group in groups]
+    scene, _, cap = problem(motion, limits)
+    take(scene, groups, keys)
+    return [tubes(scene, group, cap) for group in groups]
+
+
 def tubes(scene: Scene, group: np.ndarray, near: np.ndarray) -> Tube:
     """Middle and half-width (M, F) of the tubes of a group's channels, each given all others as they are."""
     frames = scene.samples.shape[1]
