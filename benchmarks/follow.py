@@ -6,9 +6,11 @@ runs, and how long it takes to move one control point.
 Distances are compared with an integral on 4096 intervals a span. Forward stepping sums chords of steps of 0.001 of the
 curve until the distance is reached. Laws are the largest distance of a joint, by forward kinematics, from where it has
 to be. What follows is the worst of the five paths: the largest step and second difference of a joint, times the clip's;
-how fast the balls of the feet slide in contact in the clip, carried and held (cm/s); contacts let go; how far the hips
-go down for it (cm). Times are medians of processor times; they hold the verb and the places of all joints at the frames
-that changed.
+how fast the balls of the feet slide in contact in the clip and carried (cm/s); then held, the contacts let go, and how
+far the hips go down for it (cm), the worst of four paths, and on the slalom, whose bends have a radius of 17 cm.
+Slopes: how far balls in contact are from the slope at most, beside their height over the floor of the clip, each foot
+on it and the body lifted (cm). Times are medians of processor times of a clip made ready once; they hold the edit and
+the places of all joints at the frames that changed.
 """
 
 from __future__ import annotations
@@ -27,6 +29,7 @@ from clips import folder
 
 import mocurve as mc
 from mocurve import planar
+from mocurve.feet.legs import Leg, legs, tracks
 from mocurve.kinematics import world
 from mocurve.path_fit import gone
 from mocurve.path_length import NODES
@@ -40,6 +43,7 @@ MOVED = np.array([2.0, 30.0, -70.0])
 LIMITS = {"span": 16.0, "whole": 60.0}  # ms: a frame of a screen, and what still feels direct
 FRAMES = 5000
 DEGREES = (2, 4, 13, 45)
+SLOPES = (0.1, 0.2, -0.05, -0.1)
 
 
 def clip(name: str) -> mc.Motion:
@@ -131,7 +135,7 @@ def normal(basis: np.ndarray, track: np.ndarray) -> tuple[np.ndarray, np.ndarray
 
 def laws(paths: dict[str, mc.Path]) -> None:
     heads = "".join(f"{head:>10}" for head in ("residual", "own path", "moved", "way back", "step", "bend"))
-    heads += f"{'slide':>8}{'carried':>8}{'held':>8}{'let go':>9}{'drop':>7}"
+    heads += f"{'slide':>8}{'carried':>8}{'held':>8}{'let go':>8}{'drop':>6}  slalom{'held':>6}{'let go':>8}{'drop':>6}"
     print(f"\n{'laws, cm':10}{heads}")
     for name, heading in [*((name, "tangent") for name in CLIPS), ("09_12", "facing")]:
         motion = clip(name)
@@ -149,8 +153,12 @@ def laws(paths: dict[str, mc.Path]) -> None:
                 worst[2] = max(worst[2], off(mc.follow(made, own, lock_feet=False), places))
         away = CM * float(np.sqrt(np.mean(own.residuals(motion) ** 2)))
         told = "".join(f"{value:10.1e}" for value in worst) + "".join(f"{value:10.2f}" for value in rough)
-        for part, width in (("speed_own", 8), ("speed_slid", 8), ("speed", 8), ("released", 9), ("drop", 7)):
-            told += f"{max(found[part] for found in feet):{width}.1f}"
+        for part in ("speed_own", "speed_slid"):
+            told += f"{max(found[part] for found in feet):8.1f}"
+        others = [found for name, found in zip(paths, feet, strict=True) if name != "slalom"]
+        for some, wide in ((others, 8), ([feet[list(paths).index("slalom")]], 14)):
+            told += f"{max(found['speed'] for found in some):{wide}.1f}{max(found['released'] for found in some):8}"
+            told += f"{max(found['drop'] for found in some):6.1f}"
         print(f"{name:10}{away:10.2f}{told}{'  facing' if heading == 'facing' else ''}", flush=True)
 
 
@@ -164,6 +172,33 @@ def jumps(places: np.ndarray) -> np.ndarray:
     return np.array([np.linalg.norm(part, axis=-1).max() for part in (first, np.diff(first, axis=0))])
 
 
+def slopes() -> None:
+    """A walk or run on straight ramps: each foot on them, and lifted as a whole."""
+    heads = "".join(f"{head:>9}" for head in ("off", "lifted", "slide", "let go", "drop", "aside"))
+    print(f"\n{'slopes, cm':20}{heads}")
+    for name in CLIPS[:5]:
+        motion = clip(name)
+        edit, both = mc.PathEdit.of(motion), legs(motion)
+        for slope in SLOPES:
+            ramp = mc.Path([(0.0, 0.0, 0.0), (0.0, 100.0 * slope, 100.0)])
+            made, lifted = edit.laid(ramp), edit.laid(ramp, posture="lift")
+            away = [over(part, motion, both, slope) for part in (made, lifted)]
+            feet = made.history[-1]["measured"]["feet"]
+            told = f"{away[0]:9.3f}{away[1]:9.2f}{feet['speed']:9.2f}{feet['released']:9}"
+            print(f"{name:10}{100 * slope:8.0f} %{told}{feet['drop']:9.2f}{feet['shift']:9.2f}", flush=True)
+
+
+def over(made: mc.Motion, motion: mc.Motion, both: tuple[Leg, ...], slope: float) -> float:
+    """How far balls in contact are from a slope at most, beside how high they are in the clip."""
+    worst = 0.0
+    for leg, now, own in zip(both, tracks(made, both)[0], tracks(motion, both)[0], strict=True):
+        for contact in mc.contacts(motion):
+            if contact.joint == motion.skeleton.names[leg.ball]:
+                span = slice(contact.first, contact.last + 1)
+                worst = max(worst, float(np.abs(now[span, 1] - slope * now[span, 2] - own[span, 1]).max()))
+    return CM * worst
+
+
 def latency(rounds: int) -> None:
     walk = clip("12_01")
     ring = 40.0 * np.array([(np.sin(a), np.cos(a)) for a in np.linspace(0.0, 6 * np.pi, 60)])
@@ -173,9 +208,10 @@ def latency(rounds: int) -> None:
     points = np.array(own.points)
     points[len(points) // 2] += (5.0, 3.0)
     edit = replace(own, points=points)
+    ready = {feet: mc.PathEdit.of(motion, own, lock_feet=feet) for feet in (False, True)}
 
     def moved(mode: str, lock_feet: bool) -> np.ndarray:
-        made = mc.follow(motion, edit, mode=mode, of=own, lock_feet=lock_feet)
+        made = ready[lock_feet].laid(edit, mode=mode)
         found = made.history[-1]["measured"]
         return world(made[found["first"] : found["last"] + 1])
 
@@ -204,6 +240,7 @@ def main() -> None:
     lengths(paths)
     degrees()
     laws(paths)
+    slopes()
     latency(rounds)
 
 

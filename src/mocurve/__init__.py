@@ -6,6 +6,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from .edit.path_edit import PathEdit
     from .errors import FileError, Mismatch, MocurveError, OptionError, UnknownName
     from .feet.contacts import Contact
     from .keyed import HermiteCurve, KeyedMotion
@@ -54,6 +55,7 @@ _HOME = {
     "limit": "edit.limit",
     "act_out": "edit.act_out",
     "follow": "edit.follow",
+    "PathEdit": "edit.path_edit",
     "Contact": "feet.contacts",
     "contacts": "feet.contacts",
     "lock_feet": "edit.lock_feet",

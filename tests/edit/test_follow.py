@@ -14,6 +14,9 @@ from turning import heading
 
 import mocurve as mc
 from mocurve import planar
+from mocurve.edit._locking import Source
+from mocurve.edit.path_edit import PathEdit
+from mocurve.feet.legs import legs, tracks
 from mocurve.kinematics import world
 from mocurve.path import Path
 from mocurve.path_fit import gone
@@ -83,12 +86,29 @@ def test_only_the_root_is_changed() -> None:
 # -- modes ---------------------------------------------------------------------------------------
 def test_scaled_fills_the_path_and_time_keeps_the_parameter() -> None:
     clip = walking()
-    own, new = Path.of(clip), mc.Path([(0, 0), (0, 400), (300, 900), (800, 900)])
+    own = Path.of(clip)
+    lengths = own.table().distance(gone(clip))
+    new = mc.Path([(0, 0), (0, 1.1 * own.length)])
     scaled, timed = (table(laid(clip, new, mode=mode))["distance"] for mode in ("scaled", "time"))
     assert scaled[-1] == pytest.approx(new.length)
-    lengths = own.table().distance(gone(clip))
     np.testing.assert_allclose(scaled, lengths * new.length / own.length, atol=1e-9)
     np.testing.assert_allclose(timed, new.table().distance(gone(clip)), atol=1e-6)
+
+
+@pytest.mark.parametrize(("times", "stride"), [(2.3, 1.15), (0.3, 0.6)])
+def test_strides_that_nobody_takes_become_time(times: float, stride: float) -> None:
+    clip = walking()
+    own = Path.of(clip)
+    with pytest.warns(UserWarning, match=r"beyond 0.6 to 1.15: the rest goes into time"):
+        made = laid(clip, mc.Path([(0, 0), (0, times * own.length)]), mode="scaled")
+    told = measured(made)
+    assert told["stride"] == pytest.approx(times)
+    assert told["slower"] == pytest.approx(times / stride)
+    assert made.frames == pytest.approx(clip.frames * times / stride, abs=2)
+    assert table(made)["frame"][[0, -1]].tolist() == [0, clip.frames - 1]
+    usual, steps = np.diff(own.table().distance(gone(clip))), np.diff(table(made)["distance"])
+    assert np.median(steps) == pytest.approx(stride * np.median(usual), rel=0.05)
+    assert edges(made) < 1.5 * edges(clip) * max(1.0, stride / times) ** 2
 
 
 def spanned(by: tuple[float, float], points: int = 14) -> tuple[mc.Motion, mc.Motion, Path]:
@@ -225,17 +245,118 @@ def test_feet_of_a_local_edit_change_only_what_is_near(captured: Callable[[str],
     assert edges(held) < 1.1 * edges(clip)
 
 
-def test_a_path_that_asks_too_much_of_the_legs_is_told(captured: Callable[[str], mc.Motion]) -> None:
+def test_what_asks_too_much_of_the_legs_is_let_go_and_told(captured: Callable[[str], mc.Motion]) -> None:
     clip = captured("02_01_walk_blender")
     ahead = np.linspace(0, 70, 40)
-    with pytest.warns(UserWarning, match=r"the path asks much of the legs: .*at frames \d+ to \d+"):
+    told = r"the path asks too much of the legs: .*at frames \d+ to \d+.*steps about 0.\d+ times as long would do"
+    with pytest.warns(UserWarning, match=told + r".*; \d of 10 contacts are let go, and slide"):
         made = mc.follow(clip, mc.Path(np.stack([12 * np.sin(ahead / 4), ahead], axis=1)))
-    assert measured(made)["feet"]["released"] == 0
-    assert measured(made)["feet"]["speed"] < 0.01
-    with pytest.warns(UserWarning, match=r"; \d of 10 contacts are let go"):
-        made = mc.follow(clip, mc.Path(np.stack([12 * np.sin(ahead / 2.2), ahead], axis=1)))
-    assert 0 < measured(made)["feet"]["released"] < 10
+    feet = measured(made)["feet"]
+    assert 0 < feet["released"] < 10
+    assert feet["drop"] <= 2.5
+    assert feet["shift"] <= 4.0
+    assert 0.4 <= feet["stride"] < 1
+    assert min(problem["stride"] for problem in feet["asked"]) == feet["stride"]
+    for problem in feet["asked"]:
+        assert problem["value"] > problem["limit"]
+        assert 0 <= problem["first"] <= problem["last"] < made.frames
     assert np.isfinite(made.values).all()
+
+
+def test_a_span_is_what_the_whole_clip_would_be(captured: Callable[[str], mc.Motion]) -> None:
+    clip = captured("12_01_walk")
+    path = Path.of(clip, points=16)
+    points = np.array(path.points)
+    points[6] += (3, 0.5)
+    edit = PathEdit.of(clip, path)
+    made = edit.laid(replace(path, points=points), mode="span")
+    near, Source.near = Source.near, lambda self, touched: slice(0, len(touched))  # type: ignore[method-assign]
+    try:
+        whole = edit.laid(replace(path, points=points), mode="span")
+    finally:
+        Source.near = near  # type: ignore[method-assign]
+    scale = 5.6444  # cm a unit
+    assert measured(made)["feet"]["contacts"] < 16
+    assert scale * off(made, whole) < 0.02
+
+
+# -- made ready ----------------------------------------------------------------------------------
+@pytest.mark.parametrize("options", [{}, {"mode": "span"}, {"mode": "scaled"}, {"at_end": "stop"}, {"at_end": "reset"}])
+def test_a_clip_made_ready_is_laid_as_follow_lays_it(
+    options: dict[str, str], captured: Callable[[str], mc.Motion]
+) -> None:
+    clip = captured("02_01_walk_blender")
+    path = Path.of(clip, points=8)
+    points = np.array(path.points)
+    points[3] += (2, 1)
+    edit = PathEdit.of(clip, path)
+    first = edit.laid(path.moved(MOVED))
+    for points_of in (points, np.array(path.points) + np.array([0.5, 0.0])):
+        new = replace(path, points=points_of)
+        made, again = edit.laid(new, **options), mc.follow(clip, new, of=path, **options)
+        assert made.values.tobytes() == again.values.tobytes()
+        assert made.history == again.history
+    assert edit.laid(path.moved(MOVED)).values.tobytes() == first.values.tobytes()
+    assert edit.laid(path).values.tobytes() == clip.values.tobytes()
+
+
+def test_what_was_laid_by_a_clip_made_ready_can_be_run_again() -> None:
+    clip = walking()
+    edit = PathEdit.of(clip, lock_feet=False)
+    points = np.array(edit.path.points)
+    points[2] += (30, 10)
+    for path in (replace(edit.path, points=points), mc.Path([(0, 0), (100, 200), (0, 500)])):
+        made = edit.laid(path)
+        (again,) = [mc.run(clip, [step]) for step in made.history[-1:]]
+        assert again.sample().values.tobytes() == made.values.tobytes()
+
+
+# -- slopes --------------------------------------------------------------------------------------
+def ramp(length: float, slope: float) -> mc.Path:
+    return mc.Path([(0, 0, 0), (0, slope * length, length)])
+
+
+@pytest.mark.parametrize("height", [0.0, 12.0])
+def test_on_a_level_path_with_heights_feet_are_lifted_as_the_body_is(
+    height: float, captured: Callable[[str], mc.Motion]
+) -> None:
+    clip = captured("02_01_walk_blender")
+    edit = PathEdit.of(clip)
+    level = mc.Path([(0, height, 0), (0, height, 100)])
+    each, lifted, flat = edit.laid(level), edit.laid(level, posture="lift"), edit.laid(mc.Path([(0, 0), (0, 100)]))
+    assert off(each, lifted) < 1e-9
+    np.testing.assert_allclose(world(each), world(flat) + np.array([0, height, 0]), atol=1e-9)
+
+
+@pytest.mark.parametrize(("name", "slope"), [("12_01_walk", 0.2), ("02_01_walk_blender", 0.1), ("12_01_walk", -0.05)])
+def test_on_a_slope_every_foot_stands_on_it(name: str, slope: float, captured: Callable[[str], mc.Motion]) -> None:
+    clip = captured(name)[1:]
+    hill = ramp(100, slope)
+    edit = PathEdit.of(clip)
+    made, lifted = edit.laid(hill), edit.laid(hill, posture="lift")
+    told = measured(made)["feet"]
+    assert told["released"] == 0
+    assert told["speed"] < 0.01
+    both, scale = legs(clip), 5.6444
+    own, now, level = (tracks(motion, both)[0] for motion in (clip, made, lifted))
+    for leg, before, after, rode in zip(both, own, now, level, strict=True):
+        for contact in mc.contacts(clip):
+            span = slice(contact.first, contact.last + 1)
+            if contact.joint != clip.skeleton.names[leg.ball]:
+                continue
+            over = after[span, 1] - slope * after[span, 2]
+            assert scale * np.abs(over - before[span, 1]).max() < 0.01
+            floats = rode[span, 1] - slope * rode[span, 2]
+            assert scale * np.abs(floats - before[span, 1]).max() > 40 * abs(slope) * 0.3  # a body that is lifted
+    assert edges(made) < 1.1 * edges(clip)
+
+
+def test_a_path_too_steep_to_stand_on_lifts_the_body_and_says_so(captured: Callable[[str], mc.Motion]) -> None:
+    clip = captured("02_01_walk_blender")
+    with pytest.warns(UserWarning, match="steeper than 45 degrees: feet are lifted as the body is"):
+        made = mc.follow(clip, ramp(100, 1.2))
+    lifted = mc.follow(clip, ramp(100, 1.2), posture="lift")
+    np.testing.assert_allclose(world(made), world(lifted), atol=1e-9)
 
 
 def test_a_body_without_knees_is_carried_and_that_is_said() -> None:

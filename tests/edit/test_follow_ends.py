@@ -72,9 +72,12 @@ def test_reset_begins_again() -> None:
 
 
 def test_scale_shortens_strides_to_fit() -> None:
-    clip, path = walking(), mc.Path(SHORT)
+    clip = walking()
+    path = mc.Path([(0, 0), (0, 0.7 * Path.of(clip).length)])
     made = laid(clip, path, at_end="scale")
     assert table(made)["distance"][-1] == pytest.approx(path.length)
+    assert made.frames == clip.frames
+    assert measured(made)["stride"] == pytest.approx(0.7)
     assert made.values.tobytes() == laid(clip, path, mode="scaled").values.tobytes()
 
 
@@ -244,7 +247,7 @@ def test_markers_follow_too() -> None:
         (UnknownName, SHORT, {"mode": "arclen"}, "Did you mean 'arclength'?"),
         (UnknownName, SHORT, {"at_end": "cicle"}, "Did you mean 'cycle'?"),
         (UnknownName, SHORT, {"heading": "tangnt"}, "Did you mean 'tangent'?"),
-        (UnknownName, SHORT, {"posture": "up"}, "There is: upright, tangent"),
+        (UnknownName, SHORT, {"posture": "up"}, "There is: upright, lift, tangent"),
         (OptionError, SHORT, {"mode": "time", "at_end": "stop"}, "at_end stop is for mode arclength"),
         (OptionError, SHORT, {"mode": "time", "heading": "facing"}, "heading facing is for mode arclength"),
         (OptionError, SHORT, {"at_end": "cycle", "of": mc.Path(LONG)}, "leave `of` out"),

@@ -12,7 +12,9 @@ import numpy as np
 
 from .. import hermite
 from ..errors import Mismatch, OptionError
+from ..motion import Motion
 from ..path import Path
+from ..path_fit import roots
 from ..path_length import LengthTable
 
 SETTLE = 0.5  # seconds in which a motion comes to rest
@@ -22,11 +24,29 @@ SAME = 1e-9  # of a length: control points as near have not been moved, and ends
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """A path and where along it the frames of a motion are: distances (F,), which do not fall."""
+    """A path, where along it the frames of a motion are: distances (F,), which do not fall; the places
+    (F, 2 or 3) and headings (F,) there; and how far the root is from them, root mean square."""
 
     path: Path
     table: LengthTable
     distance: np.ndarray
+    place: np.ndarray
+    heading: np.ndarray
+    residual: float
+
+    @classmethod
+    def of(cls, body: Motion, path: Path, table: LengthTable, distance: np.ndarray) -> Course:
+        """The course of a body along its path."""
+        place, heading = path.at(distance, table)
+        away = roots(body)[:, [0, 2]] - place[:, [0, -1]]
+        return cls(path, table, distance, place, heading, float(np.sqrt(np.mean((away**2).sum(axis=1)))))
+
+    def at(self, frames: np.ndarray, distance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Places (G, 2 or 3) and headings (G,) at distances (G,) of frames (G,), which may be between two."""
+        whole = frames.astype(np.int64)
+        if np.array_equal(self.distance[whole], distance):
+            return self.place[whole], self.heading[whole]
+        return self.path.at(distance, self.table)
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +58,7 @@ class Way:
     own:      distance along the motion's own path.
     distance: along the new path.
     kept:     whether the frame stays as it is.
-    stride:   times the source's, where only a span is edited. slower: times as long, in that span.
+    stride:   times the source's, where a path is filled or only a span is edited. slower: times as long it takes.
     """
 
     frame: np.ndarray
@@ -60,7 +80,7 @@ def way(course: Course, path: Path, table: LengthTable, mode: str, at_end: str, 
     if mode == "time":
         return replace(plain, distance=table.distance(course.table.parameter(course.distance)))
     if mode == "scaled":
-        return replace(plain, distance=_scaled(course, table.length))
+        return _scaled(course, plain, table.length)
     return ENDS[at_end](course, plain, table.length, frame_time)
 
 
@@ -117,9 +137,18 @@ def at_frames(values: np.ndarray, frames: np.ndarray) -> np.ndarray:
     return np.where(frames == whole, values[whole], between)
 
 
-def _scaled(course: Course, length: float) -> np.ndarray:
+def _scaled(course: Course, way: Way, length: float) -> Way:
+    """The path filled: by longer or shorter strides within STRIDES, and the rest by more or less time."""
     own = course.table.length
-    return course.distance * (length / own if own > 0 else 0.0)
+    if not (own > 0 and length > 0):
+        return replace(way, distance=0.0 * course.distance)
+    stride = length / own
+    slower = stride / float(np.clip(stride, *STRIDES))
+    shown = _stretched(np.arange(len(course.distance)), 0, len(course.distance) - 1, slower)
+    gone = at_frames(course.distance, shown)
+    count = len(shown)
+    nothing = np.zeros(count, np.int64), np.zeros(count, bool)
+    return Way(shown, nothing[0], gone, gone * stride, nothing[1], stride, slower)
 
 
 def _beyond(way: Way, length: float) -> int:
@@ -148,7 +177,7 @@ def _reset(course: Course, way: Way, length: float, frame_time: float) -> Way:
 
 
 def _scale(course: Course, way: Way, length: float, frame_time: float) -> Way:
-    return way if course.table.length <= length else replace(way, distance=_scaled(course, length))
+    return way if course.table.length <= length else _scaled(course, way, length)
 
 
 def _stop(course: Course, way: Way, length: float, frame_time: float) -> Way:

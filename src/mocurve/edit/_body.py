@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -15,38 +16,37 @@ from ..motion import Motion
 from ..skeleton import Skeleton
 
 
-def carried(motion: Motion, carry: np.ndarray) -> Motion:
-    """The motion with the root of each frame taken elsewhere by a planar transform (F, 3): angle, x, z in file units.
+def carried(motion: Motion, carry: np.ndarray, lift: np.ndarray | None = None) -> Motion:
+    """The motion with the roots of each frame taken elsewhere by a planar transform (F, 3), angle, x, z in file units,
+    and lifted by (F,).
 
-    Frames whose transform does nothing keep their values. Mismatch where a root has no channels to go or turn by.
+    Frames for which nothing is asked keep their values. Mismatch where a root has no channels to go or turn by.
     """
-    if not carry.any():
-        return motion
+    up = np.zeros(len(carry)) if lift is None else lift
+    asked = np.flatnonzero(carry.any(axis=1) | (up != 0))
+    if not len(asked):
+        return replace(motion, report=None)
     skeleton, values = motion.skeleton, np.array(motion.values, order="F")
-    moves, turns = np.flatnonzero(carry.any(axis=1)), carry[:, 0] != 0
+    whole = len(asked) == np.ptp(asked) + 1
+    moves: slice | np.ndarray = slice(int(asked[0]), int(asked[-1]) + 1) if whole else asked
+    carry, up, eulers = carry[moves], up[moves], skeleton.eulers
     for root in np.flatnonzero(skeleton.parents < 0).tolist():
         if root not in skeleton.parents and not skeleton.channels[root]:
             continue
-        columns, order = skeleton.eulers[root]
+        columns, order = eulers[root]
         shifts = shifting(skeleton, root)
-        lacking = "position" if shifts is None else "rotation" if turns.any() and len(columns) < 3 else None
+        turning = bool(carry[:, 0].any())
+        lacking = "position" if shifts is None else "rotation" if turning and len(columns) < 3 else None
         if lacking is not None and root in skeleton.parents:
             raise Mismatch(
                 f"the root {skeleton.names[root]!r} lacks {lacking} channels, so it cannot be taken elsewhere"
             )
         if shifts is not None:
-            values[moves[:, None], shifts] = planar.move(carry[moves], values[moves[:, None], shifts])
-        if len(columns) < 3:
-            continue
-        turned = rotation.mul(planar.quaternion(carry), rotation.from_euler(motion.values[:, columns], order))
-        angles = rotation.to_euler(turned, order)
-        if (rotation.angle(rotation.from_euler(angles, order), turned) > EXPRESSIBLE_DEGREES).any():
-            raise Mismatch(
-                f"the rotation channels of the root {skeleton.names[root]!r} cannot turn it about the vertical"
-            )
-        for first, end in runs(turns):
-            before = values[max(first - 1, 0), columns]
-            values[first:end, columns] = rotation.unroll_euler(np.vstack([before, angles[first:end]]), order)[1:]
+            for axis, there in zip(shifts, planar.move(carry, values[moves][:, shifts]).T, strict=True):
+                values[moves, axis] = there
+            values[moves, shifts[1]] += up
+        if turning and len(columns) == 3:
+            _turn(values, motion, (root, columns, order), np.arange(len(values))[moves], carry)
     return replace(motion, values=values, report=None)
 
 
@@ -84,9 +84,36 @@ def set_anew(
         above = world_rotations(replace(motion, values=motion.values[frames]), [parent])[:, 0]
         shift = rotation.rotate(rotation.inv(above), shift)
     values[frames[:, None], columns] += shift
+    eulers = skeleton.eulers
     for place, wxyz in turns.items():
-        own, order = skeleton.eulers[place]
+        own, order = eulers[place]
         if own:
             before = values[frames[:, None], own]
             values[frames[:, None], own] = rotation.near_euler(rotation.to_euler(wxyz, order), order, before)
     return replace(motion, values=values, report=None)
+
+
+# -- in call order ---------------------------------------------------------------------------------
+
+
+def _turn(
+    values: np.ndarray, motion: Motion, joint: tuple[int, list[int], str], frames: np.ndarray, carry: np.ndarray
+) -> None:
+    """Turn a root (with its columns and their order) in `values` about the vertical, at frames (N,) by carries (N, 3),
+    where these do."""
+    root, columns, order = joint
+    turns = carry[:, 0] != 0
+    before = motion.values[frames][:, columns]
+    turned = rotation.mul(planar.quaternion(carry), rotation.from_euler(before, order))
+    angles = rotation.to_euler(turned, order)
+    if (rotation.angle(rotation.from_euler(angles, order), turned)[turns] > EXPRESSIBLE_DEGREES).any():
+        raise Mismatch(
+            f"the rotation channels of the root {motion.skeleton.names[root]!r} cannot turn it about the vertical"
+        )
+    jumps = np.diff(frames, prepend=frames[0] - 1) > 1
+    for first, end in runs(turns):
+        for start, stop in pairwise([first, *(first + np.flatnonzero(jumps[first:end][1:]) + 1).tolist(), end]):
+            last = values[max(frames[start] - 1, 0), columns]
+            unrolled = rotation.unroll_euler(np.vstack([last, angles[start:stop]]), order)[1:]
+            for column, angle in zip(columns, unrolled.T, strict=True):
+                values[frames[start:stop], column] = angle

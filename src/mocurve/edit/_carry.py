@@ -10,8 +10,9 @@ import numpy as np
 from .. import planar, rotation
 from ..motion import Motion, unroll
 from ..skeleton import Skeleton
+from ._body import carried
 from ._pair import at_times
-from ._poses import Poses, motion_of, moved, poses_of
+from ._poses import Poses, motion_of, poses_of
 
 
 class Plan(NamedTuple):
@@ -27,22 +28,17 @@ class Plan(NamedTuple):
     about: np.ndarray
 
 
-def carried(motion: Motion, plan: Plan) -> Motion:
+def carried_out(motion: Motion, plan: Plan) -> Motion:
     """The motion with its roots moved; frames for which nothing is asked keep their channels to the last digit."""
-    by, lift, pitch, about = plan
-    asked = np.flatnonzero(by.any(axis=1) | (lift[:, 0] != 0) | (pitch[:, 0] != 0))
+    made = carried(motion, plan.by, plan.lift[:, 0])
+    asked = np.flatnonzero(plan.pitch[:, 0] != 0)
     if not len(asked):
-        return replace(motion, report=None)
-    span = slice(int(asked[0]), int(asked[-1]) + 1)
+        return made
     roots, columns = _roots(motion.skeleton)
-    part = Motion(roots, motion.values[span][:, columns], motion.frame_time)
-    poses = moved(poses_of(part), roots, by[span])
-    poses.shifts[:, roots.parents < 0, 1] += lift[span]
-    if pitch.any():
-        poses = _tilted(poses, roots, pitch[span], about[span])
-    values = np.array(motion.values, order="F")
-    inside = asked - asked[0]
-    values[asked[:, None], columns] = motion_of(poses, part).values[inside]
+    part = Motion(roots, made.values[asked][:, columns], motion.frame_time)
+    leaning = _tilted(poses_of(part), roots, plan.pitch[asked], plan.about[asked])
+    values = np.array(made.values, order="F")
+    values[asked[:, None], columns] = motion_of(leaning, part).values
     return replace(motion, values=values, report=None)
 
 

@@ -1,9 +1,9 @@
 """Where feet are to be while the body is carried elsewhere: footprints stay, swings go with the body.
 
-carry (F, 3) takes the body of each frame elsewhere. A foot that stands is taken by one transform for the whole contact,
-the mean of the carries over it (Gleicher 2001, Motion path editing, section 4, freezes one), and so does not move. What
-this leaves between the foot and its carried body is, in the body's frame, led through the swings: the swinging foot
-follows the body.
+carry (F, 4) takes the body of each frame elsewhere: angle, x, z, and how far up. A foot that stands is taken by one
+transform for the whole contact, the mean of the carries over it (Gleicher 2001, Motion path editing, section 4, freezes
+one), and so does not move. What this leaves between the foot and its carried body is, in the body's frame, led through
+the swings: the swinging foot follows the body.
 """
 
 from __future__ import annotations
@@ -24,15 +24,17 @@ BENDS = np.radians(6.0)  # flexion that is as bad
 
 @dataclass(frozen=True, eq=False)
 class Prints:
-    """The footprints of a leg: transforms (N, 3), angle, x, z, that take each stance of the source to where it is now,
-    and how far (N,), cm, the carries are from them, which is how far they may move."""
+    """The footprints of a leg: transforms (N, 3), angle, x, z, that take each stance of the source to where it is now;
+    by how much (N,), cm, it is lifted; and how far (N,), cm, the carries are from there, which is how far they may
+    move."""
 
     taken: np.ndarray
+    lift: np.ndarray
     uneven: np.ndarray
 
     def cut(self, some: slice) -> Prints:
         """Some of the stances."""
-        return Prints(self.taken[some], self.uneven[some])
+        return Prints(self.taken[some], self.lift[some], self.uneven[some])
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +50,7 @@ def prints(stances: Stances, carry: np.ndarray) -> Prints:
     """Footprints where the body passes on the mean."""
     there = planar.move(carry, stances.places[np.maximum(stances.of, 0)]) if len(stances.spans) else None
     if there is None:
-        return Prints(np.zeros((0, 3)), np.zeros(0))
+        return Prints(np.zeros((0, 3)), np.zeros(0), np.zeros(0))
     angle = stances.mean(carry[:, :1])
     place = stances.mean(there)
     turned = planar.move(np.concatenate([angle, 0.0 * angle, 0.0 * angle], axis=1), stances.places)
@@ -58,26 +60,32 @@ def prints(stances: Stances, carry: np.ndarray) -> Prints:
     uneven = np.zeros(len(taken))
     inside = stances.of >= 0
     np.maximum.at(uneven, stances.of[inside], np.maximum(away, 10.0 * turns)[inside])  # a foot is 10 cm either way
-    return Prints(taken, uneven)
+    return Prints(taken, np.zeros(len(taken)), uneven)
 
 
-def targets(stances: Stances, prints: Prints, carry: np.ndarray, offset: np.ndarray, frame_time: float) -> Targets:
-    """Where the foot is to be in every frame. offset: (F, 3) from ball to ankle in the source.
+def targets(
+    stances: Stances, prints: Prints, carry: np.ndarray, pinned: np.ndarray, offset: np.ndarray, frame_time: float
+) -> Targets:
+    """Where the foot is to be in every frame. pinned: (F, 3) the ball held still in the source (`Stances.pinned`);
+    offset: (F, 3) from ball to ankle there.
 
     Over the ground, places are complex numbers z + i x, which a turn by an angle multiplies by exp(i angle).
     """
-    pinned, inside = stances.pinned, stances.of >= 0
+    inside = stances.of >= 0
     place, turn, shift = _ground(pinned), np.exp(1j * carry[:, 0]), carry[:, 2] + 1j * carry[:, 1]
-    away = np.zeros((len(pinned), 3))
+    away = np.zeros((len(pinned), 4))
     taken = prints.taken[stances.of[inside]]
     stands = np.exp(1j * taken[:, 0]) * place[inside] + taken[:, 2] + 1j * taken[:, 1]
     off = np.conj(turn[inside]) * (stands - shift[inside]) - place[inside]
     away[inside, 0], away[inside, 1], away[inside, 2] = off.imag, off.real, taken[:, 0] - carry[inside, 0]
+    lift = prints.lift[stances.of[inside]]
+    away[inside, 3] = lift - carry[inside, 3]
     away = filled(away, stances.spans, frame_time)
     there, yaw = turn * (place + away[:, 1] + 1j * away[:, 0]) + shift, carry[:, 0] + away[:, 2]
     there[inside], yaw[inside] = stands, taken[:, 0]  # not by way of the body: a foot that stands is still
     ankle = there + np.exp(1j * yaw) * _ground(offset)
-    height = pinned[:, 1]
+    height = pinned[:, 1] + carry[:, 3] + away[:, 3]
+    height[inside] = pinned[inside, 1] + lift
     return Targets(
         np.column_stack([there.imag, height, there.real]),
         np.column_stack([ankle.imag, height + offset[:, 1], ankle.real]),

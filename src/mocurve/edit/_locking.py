@@ -22,8 +22,9 @@ from ..motion import Motion
 from ._body import bearer, carried, set_anew
 from ._clearance import cleared
 from ._footprints import Prints, Targets, prints, relieved, targets
+from ._heights import Ground, Rise
 from ._hinge import Hinge, hinge_of, reached
-from ._pelvis import Legs, shifted
+from ._pelvis import UP, Legs, shifted
 from ._reach import Strain
 from ._stances import FAR, STILL, Stances, near, stances, wanted
 from ._swings import REACH
@@ -33,12 +34,14 @@ ROUNDS, MOVING = 3, 2  # solutions of the pelvis, and after how many of them foo
 
 @dataclass(frozen=True, eq=False)
 class Side:
-    """What is known of one leg in the source: its joints, its bones and bends, where it stands; from ball to ankle (F,
-    3), cm; how the world sees the axes (F, 4) of what carries the hip, and of what carries the ankle."""
+    """What is known of one leg in the source: its joints, its bones and bends, where it stands; where its heel is, and
+    from ball to ankle (F, 3), cm; how the world sees the axes (F, 4) of what carries the hip, and of what carries the
+    ankle."""
 
     leg: Leg
     hinge: Hinge
     stances: Stances
+    heel: np.ndarray
     offset: np.ndarray
     above: np.ndarray
     shank: np.ndarray
@@ -46,7 +49,7 @@ class Side:
     def cut(self, span: slice) -> tuple[Side, slice]:
         """Some of the frames, and which stances are in them."""
         stances, kept = self.stances.cut(span)
-        parts = (part[span] for part in (self.offset, self.above, self.shank))
+        parts = (part[span] for part in (self.heel, self.offset, self.above, self.shank))
         return Side(self.leg, self.hinge.cut(span), stances, *parts), kept
 
 
@@ -61,19 +64,41 @@ class Source:
     bearer: int
     sides: tuple[Side, ...]
 
+    def cut(self, span: slice) -> Source:
+        """Some of the frames; the first and the last stance may be cut too."""
+        inner = slice(max(span.start - self.lead, 0), max(span.stop - self.lead, 0))
+        sides = tuple(side.cut(inner)[0] for side in self.sides)
+        return replace(self, motion=self.motion[span], lead=max(self.lead - span.start, 0), sides=sides)
 
-def source_of(
-    base: Motion, listed: Sequence[Contact], legs: Sequence[Leg], touched: np.ndarray | None = None
-) -> Source:
+    def standing(self, listed: Sequence[Contact]) -> Source:
+        """The same with other contacts."""
+        inner = [replace(c, first=max(c.first - self.lead, 0), last=c.last - self.lead) for c in listed]
+        sides = (
+            replace(side, stances=_stood(self.motion, side.leg, side.stances.ball, side.heel, inner, self.scale))
+            for side in self.sides
+        )
+        return replace(self, sides=tuple(sides))
+
+    def near(self, touched: np.ndarray) -> slice:
+        """The frames that have to be looked at where some (F,) are carried unlike those beside them."""
+        inner = touched[self.lead :]
+        moves = np.logical_or.reduce([s.stances.frames(s.stances.some(inner)) for s in self.sides])
+        if not moves.any():
+            found = np.flatnonzero(touched)
+            return slice(int(found[0]), int(found[-1]) + 1)
+        active, _ = _windows(self.sides, moves, self.motion.frame_time)
+        span = _context(self.sides, active | inner)
+        return slice(0 if touched[: self.lead].any() else span.start + self.lead, span.stop + self.lead)
+
+
+def source_of(base: Motion, listed: Sequence[Contact], legs: Sequence[Leg]) -> Source:
     """What locking needs to know of a motion (samples), its contacts, and its legs as `feet.legs` finds them: once for
-    a clip that is laid on one path after another. touched: (F,) the frames outside of which nothing is to be mended,
-    all by default."""
+    a clip that is laid on one path after another."""
     lead = int(first_frame_is_t_pose(base))
     motion, scale = base[lead:], centimetres(base)
     inner = [replace(c, first=max(c.first - lead, 0), last=c.last - lead) for c in listed if c.last >= lead]
     places = scale * world(motion)
-    touched = None if touched is None else touched[lead:]
-    sides = tuple(_side(motion, leg, inner, places, scale, touched) for leg in legs)
+    sides = tuple(_side(motion, leg, inner, places, scale) for leg in legs)
     return Source(base, lead, scale, bearer(base.skeleton, _common(base, legs)), sides)
 
 
@@ -82,26 +107,32 @@ def locked(base: Motion, carry: np.ndarray, listed: Sequence[Contact], legs: Seq
     return held(source_of(base, listed, legs), carry)
 
 
-def held(source: Source, carry: np.ndarray) -> tuple[Motion, Strain]:
+def held(
+    source: Source, carry: np.ndarray, touched: np.ndarray | None = None, rise: Rise | None = None
+) -> tuple[Motion, Strain]:
     """The motion carried elsewhere, its feet held in their contacts, and what that took.
 
     carry: (F, 3) planar transforms of the root of each frame, angle, x, z in file units (`planar`); all zero for plain
-    cleanup.
+    cleanup. touched: (F,) the frames outside of which nothing is to be mended: a foot that slides in other stances goes
+    on sliding; all by default. rise: by how much bodies and feet are lifted, by default not.
 
     Places in contact are the contacts' own, taken along by the mean of the carries over the contact. Contacts whose
     foot is held already, and carried as one, are not touched, nor are frames from 0.6 s away of others. Nothing is
     refused here: Strain says where a leg was asked for too much.
     """
-    base, sides = source.motion, source.sides
-    carry = np.column_stack([np.unwrap(carry[:, 0]), carry[:, 1:]])
-    made = carried(base, carry)
-    carry = carry[source.lead :] * [1.0, source.scale, source.scale]
-    marks = [prints(side.stances, carry) for side in sides]
+    base, sides, lead = source.motion, source.sides, source.lead
+    up = np.zeros(len(carry)) if rise is None else rise.body
+    made = carried(base, carry, up)
+    carry = np.column_stack([np.unwrap(carry[:, 0]), source.scale * carry[:, 1:], source.scale * up])[lead:]
+    ground = Ground(carry, None if rise is None else rise.cut(slice(lead, len(up))), source.scale, base.frame_time)
+    if touched is not None:
+        sides = tuple(replace(side, stances=side.stances.mending(touched[lead:])) for side in sides)
+    marks = [ground.raised(prints(side.stances, carry), side.stances) for side in sides]
     changed = [side.stances.changed | (mark.uneven > STILL) for side, mark in zip(sides, marks, strict=True)]
     counts = sum(map(len, changed)), int(sum(map(np.sum, changed)))
     if not counts[1]:
         return made, Strain.none(counts[0])
-    moves = np.array([_standing(side.stances, own) for side, own in zip(sides, changed, strict=True)])
+    moves = np.array([side.stances.frames(own) for side, own in zip(sides, changed, strict=True)])
     active, free = _windows(sides, np.logical_or(*moves), base.frame_time)
     window = _context(sides, active)
     parts = [side.cut(window) for side in sides]
@@ -109,36 +140,36 @@ def held(source: Source, carry: np.ndarray) -> tuple[Motion, Strain]:
     marks = [mark.cut(kept) for mark, (_, kept) in zip(marks, parts, strict=True)]
     even = bool(np.abs(np.diff(carry, axis=0)).max(initial=0.0) < 1e-9)
     carry, moves, active, free = carry[window], moves[:, window], active[window], free[window]
-    pulls = [_pull(side, carry, own, base.frame_time) for side, own in zip(sides, moves, strict=True)]
-    shift, aims = _solved(sides, marks, pulls, carry, ~free, base.frame_time)
+    shift, aims, pulls, takes = _solved(sides, marks, moves, ground.cut(window), ~free)
     turns, short = _legs_set(sides, pulls, aims, shift, carry, active)
-    lead = source.lead + window.start
+    lead += window.start
     made = set_anew(made, source.bearer, shift[active] / source.scale, turns, lead + np.flatnonzero(active))
     places = source.scale * world(made[lead : lead + len(carry)])
     tracks = _taken(sides, aims, places, shift, carry[:, 0], moves, short)
+    tracks["drop"] = tracks["drop"] - takes
     return made, Strain.of(*counts, tracks, even, base.frame_time).later(lead)
 
 
 # -- in call order ---------------------------------------------------------------------------------
 
 
-def _side(
-    motion: Motion,
-    leg: Leg,
-    listed: Sequence[Contact],
-    places: np.ndarray,
-    scale: float,
-    touched: np.ndarray | None,
-) -> Side:
-    names, parents = motion.skeleton.names, motion.skeleton.parents
+def _side(motion: Motion, leg: Leg, listed: Sequence[Contact], places: np.ndarray, scale: float) -> Side:
+    parents = motion.skeleton.parents
     joints = [parents[leg.hip], leg.hip, parents[leg.knee], leg.knee, parents[leg.ankle], leg.ankle]
     turned = world_rotations(motion, joints)
     hinge = hinge_of(motion, leg, places, turned[:, [1, 2, 3, 5]])
     ball = places[:, leg.ball]
     heel = hinge.ankle + rotation.rotate(hinge.foot, scale * leg.heel)
-    own = [contact for contact in listed if contact.joint in (names[leg.ball], names[leg.ankle])]
-    stood = stances(ball, heel, own, names[leg.ball], scale, motion.frame_time, touched)
-    return Side(leg, hinge, stood, hinge.ankle - ball, turned[:, 0], turned[:, 4])
+    stood = _stood(motion, leg, ball, heel, listed, scale)
+    return Side(leg, hinge, stood, heel, hinge.ankle - ball, turned[:, 0], turned[:, 4])
+
+
+def _stood(
+    motion: Motion, leg: Leg, ball: np.ndarray, heel: np.ndarray, listed: Sequence[Contact], scale: float
+) -> Stances:
+    name, ankle = (motion.skeleton.names[joint] for joint in (leg.ball, leg.ankle))
+    own = [contact for contact in listed if contact.joint in (name, ankle)]
+    return stances(ball, heel, own, name, scale, motion.frame_time)
 
 
 def _common(motion: Motion, legs: Sequence[Leg]) -> int:
@@ -148,11 +179,6 @@ def _common(motion: Motion, legs: Sequence[Leg]) -> int:
     if not above:
         raise Mismatch("the legs hang on no common joint, so no body can be moved over its feet")
     return max(above)
-
-
-def _standing(stood: Stances, some: np.ndarray) -> np.ndarray:
-    """(F,) True in those stances."""
-    return (stood.of >= 0) & some[stood.of] if len(some) else np.zeros(len(stood.of), bool)
 
 
 def _windows(sides: Sequence[Side], changed: np.ndarray, frame_time: float) -> tuple[np.ndarray, np.ndarray]:
@@ -186,37 +212,45 @@ def _context(sides: Sequence[Side], active: np.ndarray) -> slice:
     return slice(max(min(firsts) - 2, 0), min(max(ends) + 2, len(active)))  # two frames in which nothing is shifted
 
 
-def _pull(side: Side, carry: np.ndarray, changed: np.ndarray, frame_time: float) -> Legs:
-    """How a leg with these changed stances (F,) pulls at the body that is carried."""
-    aim = wanted(side.hinge, near(changed, frame_time, FAR))
-    return Legs(side.hinge, planar.move(carry, side.hinge.hip), aim, side.stances.minded)
-
-
 def _solved(
-    sides: Sequence[Side],
-    marks: Sequence[Prints],
-    pulls: Sequence[Legs],
-    carry: np.ndarray,
-    fixed: np.ndarray,
-    frame_time: float,
-) -> tuple[np.ndarray, list[Targets]]:
-    """The shift of the pelvis (F, 3), cm, and where the feet are to be."""
-    marks, shift = list(marks), np.zeros((len(carry), 3))
-    aims = _aims(sides, marks, carry, frame_time)
+    sides: Sequence[Side], marks: Sequence[Prints], moves: np.ndarray, ground: Ground, fixed: np.ndarray
+) -> tuple[np.ndarray, list[Targets], list[Legs], np.ndarray]:
+    """The shift of the pelvis (F, 3), cm, where the feet are to be, how the legs pull, and how far (F,) a slope takes
+    the hips down. moves: (2, F) frames in which a foot stands anew."""
+    marks, shift = list(marks), np.zeros((len(fixed), 3))
+    pinned = [side.stances.pinned(ground.frame_time) for side in sides]
+    aims = _aims(sides, marks, pinned, ground)
+    pulls = [_pull(*part, ground) for part in zip(sides, aims, pinned, moves, strict=True)]
+    takes = ground.takes(pulls, aims, moves)
+    up = UP + takes.max(initial=0.0)
     for turn in range(ROUNDS):
-        shift = shifted([(pull, aim.ankle) for pull, aim in zip(pulls, aims, strict=True)], shift, fixed, frame_time)
+        pairs = [(pull, aim.ankle) for pull, aim in zip(pulls, aims, strict=True)]
+        shift = shifted(pairs, shift, fixed, ground.frame_time, up)
         if turn < MOVING:
             marks = [
-                relieved(mark, side.stances, side.hinge, pull.hip + shift, aim.ankle, pull.wanted)
-                for mark, side, aim, pull in zip(marks, sides, aims, pulls, strict=True)
+                ground.raised(relieved(mark, s.stances, s.hinge, pull.hip + shift, aim.ankle, pull.wanted), s.stances)
+                for mark, s, aim, pull in zip(marks, sides, aims, pulls, strict=True)
             ]
-            aims = _aims(sides, marks, carry, frame_time)
-    return shift, aims
+            aims = _aims(sides, marks, pinned, ground)
+    return shift, aims, pulls, takes
 
 
-def _aims(sides: Sequence[Side], marks: Sequence[Prints], carry: np.ndarray, frame_time: float) -> list[Targets]:
+def _pull(side: Side, aim: Targets, pinned: np.ndarray, changed: np.ndarray, ground: Ground) -> Legs:
+    """How a leg with these changed stances (F,) pulls at the body that is carried."""
+    hip = planar.move(ground.carry, side.hinge.hip)
+    hip[:, 1] += ground.carry[:, 3]
+    higher = aim.ball[:, 1] - pinned[:, 1] - ground.carry[:, 3]  # than the body, as a slope has it
+    bends = wanted(side.hinge, near(changed, ground.frame_time, FAR), higher if ground.rise is not None else None)
+    return Legs(side.hinge, hip, bends, side.stances.minded)
+
+
+def _aims(
+    sides: Sequence[Side], marks: Sequence[Prints], pinned: Sequence[np.ndarray], ground: Ground
+) -> list[Targets]:
+    carry, frame_time = ground.carry, ground.frame_time
     aims = [
-        targets(side.stances, mark, carry, side.offset, frame_time) for side, mark in zip(sides, marks, strict=True)
+        targets(side.stances, mark, carry, ball, side.offset, frame_time)
+        for side, mark, ball in zip(sides, marks, pinned, strict=True)
     ]
     before = [Targets(side.hinge.ankle - side.offset, side.hinge.ankle, carry[:, 0]) for side in sides]
     heading = np.ascontiguousarray(carry[:, 0])
@@ -238,19 +272,23 @@ def _legs_set(
     cm, the ankles fall short."""
     turns: dict[int, np.ndarray] = {}
     short = np.zeros((len(sides), len(carry)))
-    back = rotation.inv(planar.quaternion(carry))
+    within = slice(*(np.flatnonzero(active)[[0, -1]] + [0, 1]).tolist())
+    some, heading = active[within], carry[within, 0]
+    back = rotation.inv(planar.quaternion(carry[within]))
     for i, (side, pull, aim) in enumerate(zip(sides, pulls, aims, strict=True)):
-        hinge, leg = side.hinge, side.leg
-        whole, knee, short[i] = reached(
-            hinge, pull.hip + shift, aim.ankle, aim.yaw, carry[:, 0], pull.wanted, side.stances.exact
+        hinge, leg, yaw = side.hinge.cut(within), side.leg, aim.yaw[within]
+        hip, goal = pull.hip[within] + shift[within], aim.ankle[within]
+        whole, knee, short[i, within] = reached(
+            hinge, hip, goal, yaw, heading, pull.wanted[within], side.stances.exact[within]
         )
         above = rotation.mul(back, whole)
-        turns[leg.hip] = rotation.mul(rotation.inv(side.above), rotation.mul(above, hinge.thigh))
+        bent = rotation.mul(knee, rotation.inv(hinge.knee))
+        turns[leg.hip] = rotation.mul(rotation.inv(side.above[within]), rotation.mul(above, hinge.thigh))
         turns[leg.knee] = rotation.mul(knee, rotation.mul(rotation.inv(hinge.knee), hinge.shin))
-        shin = rotation.mul(whole, rotation.mul(hinge.knee, rotation.mul(knee, rotation.inv(hinge.knee))))
-        foot = rotation.mul(planar.quaternion(np.stack([aim.yaw] + [0.0 * aim.yaw] * 2, axis=1)), hinge.foot)
-        turns[leg.ankle] = rotation.mul(rotation.inv(rotation.mul(shin, side.shank)), foot)
-    return {joint: turned[active] for joint, turned in turns.items()}, short
+        shin = rotation.mul(whole, rotation.mul(hinge.knee, bent))
+        foot = rotation.mul(planar.quaternion(yaw[:, None]), hinge.foot)
+        turns[leg.ankle] = rotation.mul(rotation.inv(rotation.mul(shin, side.shank[within])), foot)
+    return {joint: turned[some] for joint, turned in turns.items()}, short
 
 
 def _taken(
@@ -262,14 +300,15 @@ def _taken(
     moves: np.ndarray,
     short: np.ndarray,
 ) -> dict[str, np.ndarray]:
-    """What was taken of each kind of `_reach.LIMITS` in every frame (F,), measured on the places (F, J, 3), cm."""
+    """What was taken of each kind of `_reach.LIMITS` in every frame, (F,) or of both legs (2, F), measured on the
+    places (F, J, 3), cm."""
     off = [np.linalg.norm(places[:, s.leg.ball] - aim.ball, axis=1) for s, aim in zip(sides, aims, strict=True)]
     turned = [np.degrees(np.abs(aim.yaw - heading)) for aim in aims]
     swings = np.array([side.stances.of < 0 for side in sides])
     return {
         "drop": -shift[:, 1],
         "shift": np.linalg.norm(shift[:, [0, 2]], axis=1),
-        "twist": np.where(moves, turned, 0.0).max(axis=0),
-        "miss": np.where(moves, off, 0.0).max(axis=0),
-        "short": np.where(swings, np.abs(short), 0.0).max(axis=0),
+        "twist": np.where(moves, turned, 0.0),
+        "miss": np.where(moves, off, 0.0),
+        "short": np.where(swings, np.abs(short), 0.0),
     }

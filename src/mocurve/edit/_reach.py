@@ -30,13 +30,16 @@ TOLD = 3  # problems in one sentence
 @dataclass(frozen=True)
 class Problem:
     """Too much of something: which of LIMITS, its largest value in a span, first and last frame of that, and how many
-    times as long as they are the steps there should be; None where that would not help."""
+    times as long as they are the steps there should be; None where that would not help. side: which leg, -1: both.
+    peak: the frame of the largest value."""
 
     kind: str
     value: float
     first: int
     last: int
     stride: float | None
+    side: int = -1
+    peak: int = 0
 
     def sentence(self, frame_time: float) -> str:
         """What is wrong and where, in words."""
@@ -72,13 +75,15 @@ class Strain:
 
     @classmethod
     def of(cls, stances: int, changed: int, tracks: Mapping[str, np.ndarray], even: bool, frame_time: float) -> Strain:
-        """From what was taken of each kind in every frame (F,). even: whether all frames are carried alike."""
+        """From what was taken of each kind in every frame: (F,) of the body, or (2, F) of the legs. even: whether all
+        frames are carried alike."""
         found = {kind: float(max(track.max(initial=0.0), 0.0)) for kind, track in tracks.items()}
         problems = [
             problem
             for kind, track in tracks.items()
             if found[kind] > LIMITS[kind]
-            for problem in _problems(kind, track, even, frame_time)
+            for side, one in ([(-1, track)] if track.ndim == 1 else enumerate(track))
+            for problem in _problems(kind, one, even, frame_time, side)
         ]
         problems.sort(key=lambda problem: -problem.value / LIMITS[problem.kind])
         return cls(stances, changed, **found, problems=tuple(problems))
@@ -93,14 +98,14 @@ class Strain:
 
     def later(self, frames: int) -> Strain:
         """The same of a clip with so many frames in front."""
-        moved = (replace(p, first=p.first + frames, last=p.last + frames) for p in self.problems)
+        moved = (replace(p, first=p.first + frames, last=p.last + frames, peak=p.peak + frames) for p in self.problems)
         return replace(self, problems=tuple(moved))
 
 
 # -- in call order ---------------------------------------------------------------------------------
 
 
-def _problems(kind: str, track: np.ndarray, even: bool, frame_time: float) -> list[Problem]:
+def _problems(kind: str, track: np.ndarray, even: bool, frame_time: float, side: int) -> list[Problem]:
     """The spans in which a track (F,) is beyond its limit. even: whether all frames are carried alike; then the steps
     are as long as they ever were."""
     spans: list[tuple[int, int]] = []
@@ -110,7 +115,15 @@ def _problems(kind: str, track: np.ndarray, even: bool, frame_time: float) -> li
         spans.append((first, end))
     values = [float(track[first:end].max()) for first, end in spans]
     return [
-        Problem(kind, value, first, end - 1, None if even else _stride(kind, value))
+        Problem(
+            kind,
+            value,
+            first,
+            end - 1,
+            None if even else _stride(kind, value),
+            side,
+            first + int(np.argmax(track[first:end])),
+        )
         for value, (first, end) in zip(values, spans, strict=True)
     ]
 

@@ -9,7 +9,7 @@ place with another height than the source's lifts the foot.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -23,6 +23,10 @@ STILL = 0.01  # cm and cm/s: a ball that moves less while it stands is held alre
 DIE = 0.08  # seconds within which speeds of the source's sliding die out of a swing
 NEAR, FAR = 0.10, 0.35  # seconds from a contact: the leg reaches exactly; the pelvis minds the knee
 FLOOR, ROUND = np.radians(7.0), np.radians(3.0)  # flexion of the knee that is wanted at least, and how softly
+SLOPES, STEP = (
+    np.radians(10.0),
+    3.0,
+)  # so much more where the foot is so many cm higher or lower, or further, than the body
 SWING = 0.1  # seconds: the shortest swing that a heel contact leaves
 GROUND = [0, 2]
 
@@ -34,7 +38,7 @@ class Stances:
     spans:   (N, 2) first frame, and frame after the last. of: (F,) which stance, -1 in a swing.
     places:  (N, 3) where the ball stands. placed: (N,) whether that is not where it stands in the source.
     changed: (N,) whether the source's foot slides there, or is placed.
-    pinned:  (F, 3) the ball, held still in all stances, smooth between.
+    ball:    (F, 3) of the source. error: (F, 3) what is to be added to it in stances that change, so that it is still.
     exact:   (F,) 1 in a stance, 0 from 0.1 s away on. minded: the same to 0.35 s.
     """
 
@@ -43,7 +47,8 @@ class Stances:
     places: np.ndarray
     placed: np.ndarray
     changed: np.ndarray
-    pinned: np.ndarray
+    ball: np.ndarray
+    error: np.ndarray
     exact: np.ndarray
     minded: np.ndarray
 
@@ -58,10 +63,38 @@ class Stances:
             self.places[kept],
             self.placed[kept],
             self.changed[kept],
-            self.pinned[span],
+            self.ball[span],
+            self.error[span],
             self.exact[span],
             self.minded[span],
         ), kept
+
+    def mending(self, touched: np.ndarray) -> Stances:
+        """The same where nothing is mended but stances with touched frames (F,): a foot that slides in others goes on
+        sliding."""
+        mends = self.changed & self.some(touched)
+        error = np.where(_standing(self.of, mends)[:, None], self.error, 0.0)
+        return replace(self, changed=mends, error=error)
+
+    def some(self, frames: np.ndarray) -> np.ndarray:
+        """(N,) the stances that have some of these frames (F,)."""
+        found = np.zeros(len(self.spans), bool)
+        found[self.of[frames & (self.of >= 0)]] = True
+        return found
+
+    def frames(self, some: np.ndarray) -> np.ndarray:
+        """(F,) True in these stances (N,)."""
+        return _standing(self.of, some)
+
+    def pinned(self, frame_time: float) -> np.ndarray:
+        """The ball (F, 3), held still in all stances that change, smooth between."""
+        held: np.ndarray = self.ball + filled(self.error, self.spans, frame_time, DIE)
+        return held
+
+    @property
+    def middles(self) -> np.ndarray:
+        """(N,) the frame in the middle of each stance."""
+        return (self.spans.sum(axis=1) - 1) // 2
 
     def mean(self, values: np.ndarray) -> np.ndarray:
         """Mean (N, M) over each stance of values (F, M)."""
@@ -78,12 +111,8 @@ def stances(
     name: str,
     scale: float,
     frame_time: float,
-    touched: np.ndarray | None = None,
 ) -> Stances:
-    """The stances of the leg whose ball (F, 3), cm, is called `name`, out of contacts of its ball and heel.
-
-    touched: (F,) the frames that something is done to; a foot that slides in other stances goes on sliding.
-    """
+    """The stances of the leg whose ball (F, 3), cm, is called `name`, out of contacts of its ball and heel."""
     frames = len(ball)
     balls = sorted((contact for contact in listed if contact.joint == name), key=lambda contact: contact.first)
     heels = [contact for contact in listed if contact.joint != name]
@@ -101,19 +130,26 @@ def stances(
         steps = np.linalg.norm(np.diff(own[:, GROUND], axis=0), axis=1) / frame_time
         slides = np.abs(own[:, GROUND] - own[:, GROUND].mean(axis=0)).max()
         changed[i] = placed[i] or slides > STILL or steps.mean() > STILL if len(steps) else placed[i]
-        changed[i] &= touched is None or bool(touched[first:end].any())
         if not changed[i]:
             error[first:end] = 0.0
-    pinned = ball + filled(error, spans, frame_time, DIE)
     exact, minded = (near(of >= 0, frame_time, seconds) for seconds in (NEAR, FAR))
-    return Stances(spans, of, places, placed, changed, pinned, exact, minded)
+    return Stances(spans, of, places, placed, changed, ball, error, exact, minded)
 
 
-def wanted(hinge: Hinge, weight: np.ndarray) -> np.ndarray:
+def wanted(hinge: Hinge, weight: np.ndarray, higher: np.ndarray | None = None) -> np.ndarray:
     """Flexion (F,) of the knee that is aimed at: the source's, near stances that change never quite straight, where a
-    little of the leg's length would cost much of the knee's turn."""
-    floor = FLOOR + ROUND * np.logaddexp(0.0, (hinge.flexion - FLOOR) / ROUND)
-    return hinge.flexion + weight * (floor - hinge.flexion)
+    little of the leg's length would cost much of the knee's turn. higher: (F,) cm by which the foot is nearer to the
+    hip, on a slope: so much more the knee bends."""
+    flexion, floor_at = hinge.flexion, np.full(len(weight), FLOOR)
+    if higher is not None:
+        to = hinge.hip - hinge.ankle
+        to[:, 1] -= higher
+        least = np.minimum(hinge.flexion, FLOOR)  # lower than straight no leg reaches: the hips do
+        there = hinge.bend(np.linalg.norm(to, axis=1))[0] - hinge.bend(hinge.length(flexion))[0]
+        flexion = np.maximum(flexion + there, least)
+        floor_at = FLOOR + SLOPES * np.minimum(np.abs(higher) / STEP, 1.0)
+    floor = floor_at + ROUND * np.logaddexp(0.0, (flexion - floor_at) / ROUND)
+    return flexion + weight * (floor - flexion)
 
 
 def near(mask: np.ndarray, frame_time: float, seconds: float) -> np.ndarray:
@@ -130,6 +166,10 @@ def near(mask: np.ndarray, frame_time: float, seconds: float) -> np.ndarray:
 
 
 # -- in call order ---------------------------------------------------------------------------------
+
+
+def _standing(of: np.ndarray, some: np.ndarray) -> np.ndarray:
+    return (of >= 0) & some[of] if len(some) else np.zeros(len(of), bool)
 
 
 def _mask(listed: Sequence[Contact], frames: int) -> np.ndarray:

@@ -4,27 +4,26 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from .. import planar
-from ..errors import MocurveError, OptionError
+from ..errors import MocurveError
 from ..feet.contacts import Contact, found, slowness
-from ..feet.legs import Leg, centimetres, legs
+from ..feet.legs import Leg, feet_of, legs, tracks
 from ..kinematics import world
 from ..motion import Motion
 from ._body import carried
-from ._locking import held, source_of
-from ._reach import Problem, Strain
+from ._heights import Line, rise
+from ._locking import Source, held, source_of
+from ._reach import LIMITS, Problem, Strain
+from ._release import released
 
 HEIGHT = 4.0  # cm above the floor that a standing foot may be
-NEAR = 5.0  # seconds around what is touched in which feet and the floor are looked for
+NEAR = 5.0  # seconds around what is touched that are looked at where time is stretched
 SHORT = 1.0  # seconds: it is no wonder if in less no foot stands
-TRIES = 12  # times that contacts are let go
-# cm and degrees: what is asked of a body beyond its usual limits is told; beyond these, contacts are let go instead
-MOST = {"drop": 5.0, "shift": 7.0, "twist": 75.0, "miss": 2.0}
 CHANGES = 1e-9  # of a carry from frame to frame: less is none
 
 
@@ -33,7 +32,10 @@ class Steps:
     """Contacts of feet with the floor, and how they were kept; centimetres.
 
     contacts: of balls and heels, where the path changes the clip. released: those let go, because the body would be
-    pulled out of shape.
+    pulled out of shape: there feet slide. asked: what holding them would have taken: kind (drop, shift: of the hips;
+    twist: of the body over a foot; miss, short: feet out of reach), value and limit (cm, degrees), first and last
+    frame, and stride: how many times as long the steps may be. stride: that for all of the clip; None where no other
+    length helps, or none is needed.
     speed_own, speed_slid, speed: how fast balls slide in contact: in the clip, carried along the path, and held.
     drop, shift: how far the hips go down and aside for it at most.
     """
@@ -45,6 +47,8 @@ class Steps:
     speed: float
     drop: float
     shift: float
+    stride: float | None = None
+    asked: Sequence[dict[str, Any]] = field(default_factory=list)
 
     def __str__(self) -> str:
         gone = f"; {self.released} let go" if self.released else ""
@@ -70,6 +74,8 @@ class Steps:
             **means,
             drop=max(part.drop for part in some),
             shift=max(part.shift for part in some),
+            stride=min((part.stride for part in some if part.stride is not None), default=None),
+            asked=[problem for part in some for problem in part.asked],
         )
 
     def to_json(self) -> dict[str, Any]:
@@ -77,97 +83,191 @@ class Steps:
         return asdict(self)
 
 
-def stepping(base: Motion, carry: np.ndarray, first: int) -> tuple[Motion, Steps | None]:
+@dataclass(frozen=True, eq=False)
+class Feet:
+    """What is known of the feet of a clip before it is laid anywhere. source: its legs and stances; contacts: of balls
+    and heels. why: there are none."""
+
+    legs: Sequence[Leg] = ()
+    contacts: Sequence[Contact] = ()
+    source: Source | None = None
+    why: str = ""
+
+    @classmethod
+    def of(cls, body: Motion) -> Feet:
+        """Looked for as `contacts` looks for them."""
+        try:
+            both = legs(body)
+            listed = found(body, both, slowness(body), HEIGHT)
+            if not listed and body.duration > SHORT:
+                return cls(why="no foot stands anywhere")
+            return cls(both, listed, source_of(body, listed, both))
+        except MocurveError as error:
+            return cls(why=str(error).split(";")[0])  # without options that are another verb's
+
+    def shown(self, base: Motion, frames: np.ndarray) -> tuple[tuple[Contact, ...], Source | None]:
+        """The contacts of a base that shows frames (G,) of the clip, and its source, None where it shows times between
+        frames or leaves some out."""
+        assert self.source is not None
+        start, whole = int(frames[0]), np.array_equal(frames, frames[0] + np.arange(len(frames)))
+        whole &= start == frames[0]
+        if whole and len(frames) == self.source.motion.frames:
+            return tuple(self.contacts), self.source
+        return self._mapped(base, frames), self.source.cut(slice(start, start + len(frames))) if whole else None
+
+    def _mapped(self, base: Motion, frames: np.ndarray) -> tuple[Contact, ...]:
+        names, (balls, heels) = base.skeleton.names, tracks(base, self.legs)
+        ways = {names[leg.ankle]: heel for leg, heel in zip(self.legs, heels, strict=True)}
+        ways |= {names[leg.ball]: ball for leg, ball in zip(self.legs, balls, strict=True)}
+        listed = []
+        for contact in self.contacts:
+            inside = np.flatnonzero((frames >= contact.first) & (frames <= contact.last))
+            if len(inside) > 1:
+                first, last = int(inside[0]), int(inside[-1])
+                x, y, z = (float(mean) for mean in ways[contact.joint][first : last + 1].mean(axis=0))
+                listed.append(Contact(contact.joint, first, last, (x, y, z)))
+        return tuple(listed)
+
+
+def stepping(
+    feet: Feet,
+    base: Motion,
+    frames: np.ndarray,
+    carry: np.ndarray,
+    lift: np.ndarray,
+    lines: tuple[Line, Line | None] | None,
+    first: int,
+) -> tuple[Motion, Steps | None]:
     """The motion carried by planar transforms (F, 3), its feet held in contact; None where no foot is changed or there
     are no legs, which is told by a warning.
 
-    first: the frame of the result that the motion begins with. Feet that slide in the clip are held too, but only where
-    its frames are not carried as one.
+    base: the frames (F,) of the clip whose feet are known. lift: (F,) upwards; instead of it, feet and body are lifted
+    as `_heights` has it where the new path (and the clip's own, if it has heights) are given as `lines`. first: the
+    frame of the result that the motion begins with. Feet that slide in the clip are held too, but only where its frames
+    are not carried as one.
     """
-    touched, plain = _touched(carry), carried(base, carry)
+    if feet.source is None:
+        if _touched(carry, lift).any():
+            warnings.warn(f"feet are not held: {feet.why}", stacklevel=4)
+        return carried(base, carry, lift), None
+    listed, source = feet.shown(base, frames)
+    raised, apart = None, np.zeros(len(carry), bool)
+    if lines is not None:
+        balls = {base.skeleton.names[leg.ball] for leg in feet.legs}
+        raised, apart = rise(carry, [contact for contact in listed if contact.joint in balls], *lines)
+        lift = raised.body
+    touched = _touched(carry, lift) | apart
     if not touched.any():
-        return plain, None
-    some, near = np.flatnonzero(touched), round(NEAR / base.frame_time)
-    span = slice(max(int(some[0]) - near, 0), int(some[-1]) + near + 1)
-    part, moves, touched = base[span], carry[span], touched[span]
-    try:
-        both = legs(part)
-        listed = found(part, both, slowness(part), HEIGHT)
-        if not listed and base.duration > SHORT:
-            raise OptionError("no foot stands anywhere")
-        made, strain, released = _released(part, moves, listed, both, touched, first + span.start)
-    except MocurveError as error:
-        reason = str(error).split(";")[0]  # without options that are another verb's
-        warnings.warn(f"feet are not held: {reason}", stacklevel=4)
-        return plain, None
-    values = np.array(plain.values, order="F")
-    values[span] = made.values
-    met = [contact for contact in listed if touched[contact.first : contact.last + 1].any()]
-    own, slid, now = _sliding(part, moves, made, met, both)
-    return replace(plain, values=values), Steps(len(met), released, own, slid, now, strain.drop, strain.shift)
+        return carried(base, carry, lift), None
+    span = slice(0, base.frames)
+    if source is None:
+        span = _around(touched, listed, round(NEAR / base.frame_time))
+        listed = _within(listed, span)
+        source = source_of(base[span], listed, feet.legs)
+    near = source.near(touched[span])
+    inner = slice(span.start + near.start, span.start + near.stop)
+    part, rises = source.cut(near), None if raised is None else raised.cut(inner)
+
+    def hold(kept: Sequence[Contact]) -> tuple[Motion, Strain]:
+        known = part if len(kept) == len(listed) else source.standing(kept).cut(near)
+        made, strain = held(known, carry[inner], touched[inner], rises)
+        return made, strain.later(near.start)
+
+    made, strain, gone, asked = released(listed, feet_of(base, feet.legs), hold)
+    moved = carry.any(axis=1) | (lift != 0)
+    elsewhere = moved[: inner.start].any() or moved[inner.stop :].any()
+    values = np.array((carried(base, carry, lift) if elsewhere else base).values, order="F")
+    values[inner] = made.values
+    met = [contact for contact in listed if touched[span][contact.first : contact.last + 1].any()]
+    own, slid, now = _sliding(part, carry[inner], made, _within(met, near))
+    later = first + span.start
+    asked = tuple(replace(p, first=p.first + later, last=p.last + later) for p in asked)
+    strides = [problem.stride for problem in asked if problem.stride is not None]
+    steps = Steps(
+        len(met), len(gone), own, slid, now, strain.drop, strain.shift, min(strides, default=None), _told(asked)
+    )
+    if asked:
+        _tell(asked, steps, base.frame_time)
+    return replace(base, values=values, report=None), steps
 
 
 # -- in call order ---------------------------------------------------------------------------------
 
 
-def _touched(carry: np.ndarray) -> np.ndarray:
+def _touched(carry: np.ndarray, lift: np.ndarray) -> np.ndarray:
     """(F,) frames that are carried otherwise than one beside them."""
-    steps = np.abs(np.diff(carry, axis=0)) > CHANGES * (1.0 + np.abs(carry).max(axis=0, initial=0.0))
+    taken = np.column_stack([carry, lift])
+    steps = np.abs(np.diff(taken, axis=0)) > CHANGES * (1.0 + np.abs(taken).max(axis=0, initial=0.0))
     moves = steps.any(axis=1)
-    touched = np.zeros(len(carry), bool)
+    touched = np.zeros(len(taken), bool)
     touched[:-1] |= moves
     touched[1:] |= moves
     return touched
 
 
-def _released(
-    base: Motion, carry: np.ndarray, listed: Sequence[Contact], both: Sequence[Leg], touched: np.ndarray, first: int
-) -> tuple[Motion, Strain, int]:
-    """The motion, which begins at a frame `first`, with its feet held in as many contacts as its body allows, and how
-    many it does not."""
-    kept = list(listed)
-    worst: Problem | None = None
-    for _ in range(TRIES):
-        made, strain = held(source_of(base, kept, both, touched), carry)
-        worst = worst or (strain.later(first).problems[0] if strain.problems else None)
-        bad = {
-            c
-            for problem in strain.problems
-            if problem.value > MOST.get(problem.kind, np.inf)
-            for c in _at(problem, kept)
-        }
-        if not bad:
-            break
-        kept = [contact for contact in kept if contact not in bad]
-    gone = len(listed) - len(kept)
-    if worst is not None:
-        warnings.warn(
-            f"the path asks much of the legs: {worst.sentence(base.frame_time)}"
-            + (f"; {gone} of {len(listed)} contacts are let go" if gone else ""),
-            stacklevel=5,
-        )
-    return made, strain, gone
+def _around(touched: np.ndarray, listed: Sequence[Contact], near: int) -> slice:
+    """The frames around those that are touched, and no contact in part."""
+    some = np.flatnonzero(touched)
+    first, end = max(int(some[0]) - near, 0), min(int(some[-1]) + near + 1, len(touched))
+    for contact in listed:  # in the order of their first frames
+        if contact.first < end <= contact.last:
+            end = contact.last + 1
+    for contact in sorted(listed, key=lambda contact: -contact.last):
+        if contact.first < first <= contact.last:
+            first = contact.first
+    return slice(first, end)
 
 
-def _at(problem: Problem, listed: Sequence[Contact]) -> list[Contact]:
-    """The contacts during a problem, or else the nearest ones."""
-    away = [max(contact.first - problem.last, problem.first - contact.last, 0) for contact in listed]
-    return [contact for contact, frames in zip(listed, away, strict=True) if frames == min(away)]
+def _within(listed: Sequence[Contact], span: slice) -> tuple[Contact, ...]:
+    """The contacts in some frames, counted from the first of these."""
+    return tuple(
+        replace(c, first=max(c.first, span.start) - span.start, last=min(c.last, span.stop - 1) - span.start)
+        for c in listed
+        if c.first < span.stop and c.last >= span.start
+    )
 
 
-def _sliding(
-    base: Motion, carry: np.ndarray, made: Motion, listed: Sequence[Contact], both: Sequence[Leg]
-) -> list[float]:
-    """How fast balls slide in contact, cm/s, mean over all frames: in the clip, carried, and held."""
-    balls = [leg.ball for leg in both]
-    columns = {base.skeleton.names[ball]: column for column, ball in enumerate(balls)}
-    places = world(base)[:, balls]
-    scale, told = centimetres(base) / base.frame_time, []
-    for track in (places, planar.move(carry[:, None], places), world(made)[:, balls]):
-        steps = [
-            np.linalg.norm(np.diff(track[c.first : c.last + 1, columns[c.joint]][:, [0, 2]], axis=0), axis=1)
-            for c in listed
-            if c.joint in columns
-        ]
-        told.append(scale * float(np.concatenate(steps).mean()) if any(map(len, steps)) else 0.0)
+def _sliding(part: Source, carry: np.ndarray, made: Motion, listed: Sequence[Contact]) -> list[float]:
+    """How fast balls slide in contact, cm/s, mean over all frames: in the source, carried, and held."""
+    names = [made.skeleton.names[side.leg.ball] for side in part.sides]
+    spans = [
+        (names.index(c.joint), max(c.first - part.lead, 0), c.last + 1 - part.lead) for c in listed if c.joint in names
+    ]
+    stands = np.zeros(made.frames - part.lead, bool)
+    for _, first, end in spans:
+        stands[first:end] = True
+    own = np.stack([side.stances.ball for side in part.sides], axis=1)
+    now = own.copy()
+    standing = replace(made, values=made.values[part.lead :][stands])
+    now[stands] = part.scale * world(standing)[:, [side.leg.ball for side in part.sides]]
+    slid = planar.move((carry[part.lead :] * [1.0, part.scale, part.scale])[:, None], own)
+    told = []
+    for track in (own, slid, now):
+        steps = [np.linalg.norm(np.diff(track[first:end, foot, ::2], axis=0), axis=1) for foot, first, end in spans]
+        told.append(float(np.concatenate(steps).mean()) / made.frame_time if any(map(len, steps)) else 0.0)
     return told
+
+
+def _told(asked: Sequence[Problem]) -> list[dict[str, Any]]:
+    return [
+        {
+            "kind": p.kind,
+            "value": p.value,
+            "limit": LIMITS[p.kind],
+            "first": p.first,
+            "last": p.last,
+            "stride": p.stride,
+        }
+        for p in asked
+    ]
+
+
+def _tell(asked: Sequence[Problem], steps: Steps, frame_time: float) -> None:
+    """What is asked of the legs, in one sentence."""
+    more = len(asked) - 1
+    others = f", and {more} more such span{'' if more == 1 else 's'}" if more else ""
+    warnings.warn(
+        f"the path asks too much of the legs: {asked[0].sentence(frame_time)}{others}; {steps.released} of "
+        f"{steps.contacts} contacts are let go, and slide",
+        stacklevel=5,
+    )

@@ -14,14 +14,13 @@ from typing import Any
 import numpy as np
 
 from ..feet.contacts import Contact, found, positive, read_contacts, slowness
-from ..feet.legs import Leg, legs
+from ..feet.legs import Leg, feet_of, legs
 from ..feet.skate import Skate, skate
 from ..motion import Clip, Motion
-from ._locking import locked
+from ._locking import held, source_of
 from ._pair import complete, recorded, tell_sampled
-from ._reach import Problem, Strain
-
-TRIES = 20  # times that contacts are let go
+from ._reach import Strain
+from ._release import released
 
 
 @dataclass(frozen=True)
@@ -109,9 +108,9 @@ def lock_feet(
         warnings.warn(
             "no foot stands anywhere: nothing is locked; the option speed says how slow is standing", stacklevel=2
         )
-    made, strain, released = _released(motion, listed, both) if release else (*_locked(motion, listed, both), ())
+    made, strain, gone = _held(motion, listed, both, release)
     strain.refuse(motion.frame_time, "Contacts can be changed, or let go with the option release")
-    measured = _measured(motion, made, listed, both, slow, strain, released)
+    measured = _measured(motion, made, listed, both, slow, strain, gone)
     given = None if contacts is None else [contact.to_json() for contact in listed]
     named = feet if feet is None or isinstance(feet, str) else list(feet)
     told = {"verb": "lock_feet", "contacts": given, "feet": named, "speed": speed, "height": height, "release": release}
@@ -121,8 +120,25 @@ def lock_feet(
 # -- in call order ---------------------------------------------------------------------------------
 
 
-def _locked(motion: Motion, listed: Sequence[Contact], both: Sequence[Leg]) -> tuple[Motion, Strain]:
-    return locked(motion, np.zeros((motion.frames, 3)), listed, both)
+def _held(
+    motion: Motion, listed: Sequence[Contact], both: Sequence[Leg], release: bool
+) -> tuple[Motion, Strain, tuple[Contact, ...]]:
+    """The motion with its feet held in these contacts, without those that are let go, if that is asked for."""
+    source, still = source_of(motion, listed, both), np.zeros((motion.frames, 3))
+    if not release:
+        return *held(source, still), ()
+    made, strain, gone, _ = released(
+        listed,
+        feet_of(motion, both),
+        lambda kept: held(source if len(kept) == len(listed) else source.standing(kept), still),
+    )
+    if gone:
+        warnings.warn(
+            f"{len(gone)} of {len(listed)} contacts cannot be held and are let go, the first of {gone[0].joint!r} at "
+            f"frame {gone[0].first}",
+            stacklevel=3,
+        )
+    return made, strain, gone
 
 
 def _measured(
@@ -132,7 +148,7 @@ def _measured(
     both: Sequence[Leg],
     speed: float,
     strain: Strain,
-    released: Sequence[Contact],
+    gone: Sequence[Contact],
 ) -> Locked:
     names = {motion.skeleton.names[leg.ball] for leg in both}
     balls = [contact for contact in listed if contact.joint in names]
@@ -148,33 +164,5 @@ def _measured(
         kept=after.kept,
         drop=strain.drop,
         shift=strain.shift,
-        released=[contact.to_json() for contact in released],
+        released=[contact.to_json() for contact in gone],
     )
-
-
-def _released(
-    motion: Motion, listed: Sequence[Contact], both: Sequence[Leg]
-) -> tuple[Motion, Strain, tuple[Contact, ...]]:
-    """The same without the contacts in which something was too much, and these."""
-    kept, gone = list(listed), list[Contact]()
-    for _ in range(TRIES):
-        made, strain = _locked(motion, kept, both)
-        bad = {contact for problem in strain.problems for contact in _at(problem, kept)}
-        if not bad:
-            break
-        kept = [contact for contact in kept if contact not in bad]
-        gone += bad
-    gone.sort(key=lambda contact: (contact.first, contact.joint))
-    if gone:
-        warnings.warn(
-            f"{len(gone)} of {len(listed)} contacts cannot be held and are let go, the first of {gone[0].joint!r} at "
-            f"frame {gone[0].first}",
-            stacklevel=3,
-        )
-    return made, strain, tuple(gone)
-
-
-def _at(problem: Problem, listed: Sequence[Contact]) -> list[Contact]:
-    """The contacts during a problem, or else the nearest ones."""
-    away = [max(contact.first - problem.last, problem.first - contact.last, 0) for contact in listed]
-    return [contact for contact, frames in zip(listed, away, strict=True) if frames == min(away)]

@@ -75,6 +75,12 @@ def tracks(motion: Motion, both: Sequence[Leg]) -> tuple[np.ndarray, np.ndarray]
     return balls, np.stack(heels)
 
 
+def feet_of(motion: Motion, both: Sequence[Leg]) -> list[tuple[str, str]]:
+    """What the ball and the ankle of each leg are called."""
+    names = motion.skeleton.names
+    return [(names[leg.ball], names[leg.ankle]) for leg in both]
+
+
 def centimetres(motion: Motion) -> float:
     """Centimetres a file unit, as said or as `info` guesses it; a body without height: one unit is one."""
     if motion.skeleton.unit is None and not rest_height(motion) > 0:

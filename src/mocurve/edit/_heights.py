@@ -1,0 +1,162 @@
+"""Heights foot by foot: on a path with heights each foot stands on the path beside it, and the hips are as high as the
+path is between the feet.
+
+A body that is lifted frame by frame keeps all of itself level, so that on a slope the foot in front sinks in and the
+one behind floats. Here a stance is lifted by the height of the path at its own place; the body by the heights at all
+stances, interpolated along the path, so that neither stairs nor bumps between two steps shake the hips.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.ndimage import maximum_filter1d
+
+from .. import hermite, planar
+from ..feet.contacts import Contact
+from ..path import Path
+from ..path_length import LengthTable
+from ._footprints import Prints, Targets
+from ._hinge import STRAIGHT
+from ._pelvis import Legs
+from ._stances import Stances
+
+STEEPEST = np.radians(45.0)  # nobody stands on what is steeper
+BESIDE = 12  # steps towards the place of a path that a foot is beside
+MERGED = 0.2  # of the body's mean way between two stances: nearer ones count as one
+LOWER, LOWERS = 5.0, 0.25  # cm that hips are lower on a slope at most; seconds around
+NOTHING = 1e-9  # of the path's size: lifts that are as small are none
+
+
+@dataclass(frozen=True, eq=False)
+class Line:
+    """A path with heights, and how far along it every frame is, (F,)."""
+
+    path: Path
+    table: LengthTable
+    distance: np.ndarray
+
+    def cut(self, span: slice) -> Line:
+        """Some of the frames."""
+        return replace(self, distance=self.distance[span])
+
+    def beside(self, frames: np.ndarray, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """How far along the path and how high it is beside places (N, 3) at frames (N,)."""
+        at = self.distance[frames]
+        room = np.ptp(self.path.points, axis=0).max()
+        for _ in range(BESIDE):
+            there, heading = self.path.at(at, self.table)
+            ahead = (places[:, 0] - there[:, 0]) * np.sin(heading) + (places[:, 2] - there[:, 2]) * np.cos(heading)
+            step = ahead / np.cos(self.path.slope(self.table.parameter(at)))
+            at = at + np.clip(step, -room, room)
+        return at, self.path.at(at, self.table)[0][:, 1]
+
+
+@dataclass(frozen=True, eq=False)
+class Rise:
+    """By how much a body and its feet are lifted. body: (F,), file units. new: the path that they are on; own: the
+    clip's own where that has heights, else None."""
+
+    body: np.ndarray
+    new: Line
+    own: Line | None
+
+    def cut(self, span: slice) -> Rise:
+        """Some of the frames."""
+        return Rise(self.body[span], self.new.cut(span), self.own and self.own.cut(span))
+
+    def at(self, frames: np.ndarray, places: np.ndarray, there: np.ndarray) -> np.ndarray:
+        """By how much (N,) feet are lifted that stand at places (N, 3) in the clip, and `there` now, at frames (N,)."""
+        own = 0.0 if self.own is None else self.own.beside(frames, places)[1]
+        return self.new.beside(frames, there)[1] - own
+
+
+@dataclass(frozen=True, eq=False)
+class Ground:
+    """What feet are led over. carry: (F, 4) angle, x, z and height by which the body is taken elsewhere, cm."""
+
+    carry: np.ndarray
+    rise: Rise | None
+    scale: float
+    frame_time: float
+
+    def cut(self, span: slice) -> Ground:
+        """Some of the frames."""
+        return replace(self, carry=self.carry[span], rise=None if self.rise is None else self.rise.cut(span))
+
+    def raised(self, prints: Prints, stances: Stances) -> Prints:
+        """Footprints at the heights of their places."""
+        if self.rise is None or not len(stances.spans):
+            return prints
+        there = planar.move(prints.taken, stances.places)
+        lift = self.scale * self.rise.at(stances.middles, stances.places / self.scale, there / self.scale)
+        inside = stances.of >= 0
+        off, uneven = np.abs(self.carry[inside, 3] - lift[stances.of[inside]]), prints.uneven.copy()
+        np.maximum.at(uneven, stances.of[inside], off)
+        return replace(prints, lift=lift, uneven=uneven)
+
+    def takes(self, legs: Sequence[Legs], aims: Sequence[Targets], moves: np.ndarray) -> np.ndarray:
+        """How far (F,), cm, a slope itself takes the hips down, up to LOWER: until a leg that is all but straight
+        reaches down to its foot, wherever a foot stands anew (`moves`, (2, F)), and for a while around. On level ground
+        nothing."""
+        need = np.zeros(len(self.carry))
+        if not np.ptp(self.carry[:, 3]) > NOTHING:
+            return need
+        for leg, aim, stands in zip(legs, aims, moves, strict=True):
+            to = leg.hip - aim.ankle
+            most = leg.hinge.length(np.maximum(leg.wanted, STRAIGHT))
+            over = to[:, 1] - np.sqrt(np.maximum(most**2 - to[:, 0] ** 2 - to[:, 2] ** 2, 0.0))
+            need = np.maximum(need, np.where(stands, over, 0.0))
+        wide = 2 * max(1, round(LOWERS / self.frame_time)) + 1
+        found: np.ndarray = maximum_filter1d(np.clip(need, 0.0, LOWER), wide, mode="nearest")
+        return found
+
+
+def rise(carry: np.ndarray, contacts: Sequence[Contact], new: Line, own: Line | None) -> tuple[Rise, np.ndarray]:
+    """What lifts a body that is carried by planar transforms (F, 3) and stands in these contacts; and in which frames
+    (F,) one of them is not lifted as the body is."""
+    frames = np.array([(contact.first + contact.last) // 2 for contact in contacts], int)
+    places = np.array([contact.place for contact in contacts]).reshape(-1, 3)
+    there = np.array(
+        [planar.move(carry[c.first : c.last + 1], np.array(c.place)).mean(axis=0) for c in contacts]
+    ).reshape(-1, 3)
+    body = _between(new, frames, there) - (0.0 if own is None else _between(own, frames, places))
+    least = NOTHING * (1.0 + np.abs(new.path.points).max())
+    body = np.where(np.abs(body) <= least, 0.0, body)
+    found = Rise(body, new, own)
+    apart = np.zeros(len(carry), bool)
+    if len(frames):
+        for contact, lift in zip(contacts, found.at(frames, places, there).tolist(), strict=True):
+            span = slice(contact.first, contact.last + 1)
+            apart[span] |= np.abs(body[span] - lift) > least
+    return found, apart
+
+
+def steep(line: Line) -> bool:
+    """Whether a path is anywhere on the way too steep to stand on."""
+    return bool((np.abs(line.path.slope(line.table.parameter(line.distance))) > STEEPEST).any())
+
+
+# -- in call order ---------------------------------------------------------------------------------
+
+
+def _between(line: Line, frames: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """The height (F,) of a path at every frame, interpolated along it between places (N, 3) that it is beside, and the
+    ends of the way."""
+    ends = np.array([line.distance.min(), line.distance.max()])
+    if not ends[1] > ends[0]:
+        return line.path.at(line.distance, line.table)[0][:, 1]
+    at, height = line.beside(frames, places)
+    end_heights = line.path.at(ends, line.table)[0][:, 1]
+    at, height = np.append(at, ends), np.append(height, end_heights)
+    order = np.argsort(at, kind="stable")
+    at, height = at[order], height[order]
+    first = np.append(True, np.diff(at) > MERGED * (ends[1] - ends[0]) / max(len(frames), 1))
+    group = np.cumsum(first) - 1
+    count = np.bincount(group)
+    at, height = (np.bincount(group, part) / count for part in (at, height))
+    if len(at) < 2:
+        return line.path.at(line.distance, line.table)[0][:, 1]
+    return hermite.evaluate(at, height, np.gradient(height, at), np.clip(line.distance, at[0], at[-1]))
