@@ -279,7 +279,7 @@ def complex_to_complex() -> tuple[str, Image.Image]:
 
 
 def hills() -> tuple[str, Image.Image]:
-    """Figures 5.21 and 5.22."""
+    """Figures 5.21 and 5.22, and the same with feet that stand on the slope."""
     own, lines = mc.Path.of(walk()), [HEAD]
     rises = [
         "| while a ball stands | it goes over the ground, cm/s | its height changes by, cm |",
@@ -287,7 +287,11 @@ def hills() -> tuple[str, Image.Image]:
     ]
     rises.append(standing("in the clip", walk()))
     panels: list[Image.Image] = []
-    for name, posture in (("5.21 upright", "upright"), ("5.22 relative to the tangent", "tangent")):
+    for name, posture in (
+        ("5.21 upright, lifted", "lift"),
+        ("5.22 relative to the tangent", "tangent"),
+        ("ours, foot by foot", "upright"),
+    ):
         made = followed(walk(), HILLS, own, posture=posture)
         lines.append(row(name, walk(), own, made, HILLS))
         rises.append(standing(name, made))
