@@ -270,6 +270,8 @@ def test_what_is_asked_of_a_path_is_checked(asked: Callable[[Path], object], tol
     ("options", "told"),
     [
         ({"points": 500}, "a path of 500 control points takes as many frames, and the clip has 90"),
+        ({"points": 2}, "2 control points make a curve of degree 1 at most, not 3: take more points, or degree 1"),
+        ({"points": 5, "degree": 7}, "5 control points make a curve of degree 4 at most, not 7"),
         ({"points": 1}, "a path has 2 to 100000 points, not 1"),
         ({"kind": "polynomial", "degree": 90}, "the degree of a polynomial through 90 frames is 89 at most, not 90"),
         ({"kind": "polynomial", "points": 9}, "a polynomial of degree 3 has 4 points, not 9"),

@@ -142,6 +142,11 @@ def _settled(fit: Fit, frames: int, moving: float) -> Fit:
             raise OptionError(f"a polynomial of degree {fit.degree} has {fit.degree + 1} points, not {fit.points}")
         return replace(fit, points=fit.degree + 1)
     points = fit.points
+    if points is not None and fit.degree > points - 1:
+        raise OptionError(
+            f"{points} control points make a curve of degree {points - 1} at most, not {fit.degree}: take more points, "
+            f"or degree {points - 1}"
+        )
     if points is None:  # one a second, and one more for its end
         points = min(max(fit.degree + 1, round(moving) + 1), frames)
     if points > frames:

@@ -160,6 +160,15 @@ def test_a_span_at_either_end_and_none_at_all() -> None:
         assert 0.5 < same.mean() < 0.95
 
 
+def test_bare_control_points_of_the_own_path_are_known() -> None:
+    clip = walking()
+    own = Path.of(clip, points=5)
+    bare = own.points.tolist()
+    np.testing.assert_allclose(laid(clip, bare).values, clip.values, atol=1e-9)
+    moved = planar.move(MOVED, np.insert(own.points, 1, 0.0, axis=1))[:, [0, 2]].tolist()
+    np.testing.assert_allclose(world(laid(clip, moved)), planar.move(MOVED, world(clip)), atol=1e-9)
+
+
 # -- promises on captures ------------------------------------------------------------------------
 @pytest.fixture(scope="module")
 def captured(clips: File) -> Callable[[str], mc.Motion]:

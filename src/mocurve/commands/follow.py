@@ -10,7 +10,6 @@ from cyclopts import Parameter
 from ..edit import follow as following
 from ..formats import read
 from ..path import Path
-from ..path_edits import recognised
 from ._edits import Edited, Lossless, Output, check_files, finish
 from ._options import Html, Json, Profile, Source, Unit, with_options_of
 from ._terminal import told_when_compiling
@@ -55,8 +54,6 @@ def follow(
     check_pictures(file, html, picture)
     clip = read(file, unit=unit)
     new, own = Path.read(path), None if of is None else Path.read(of)
-    if own is None:
-        new = recognised(new, clip)
     made = following.follow(clip, new, of=own, **options)
     measured = following.Following(**made.history[-1]["measured"])
     draw(clip, own or following.own_path(clip, new), html, picture, str(measured), made, new)

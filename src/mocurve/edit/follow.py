@@ -7,10 +7,12 @@ these are put onto the other path, at the same distance from its beginning.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from ..motion import Clip, Motion
 from ..path import Path
+from ..path_edits import recognised
 from ..path_fit import lead
 from ._following import Following as Following
 from ._pair import complete
@@ -64,6 +66,8 @@ def follow(
     given = path_of(path)
     own = None if of is None else path_of(of)
     check(mode, at_end, heading, posture, own is not None)
+    if own is None and clip.frames:
+        given = recognised(given, complete(clip.sample()))
     edit = ready(clip, given, own, lock_feet, later=at_end == "cycle")
     return edit.laid(given, mode=mode, at_end=at_end, heading=heading, posture=posture)
 
@@ -72,4 +76,5 @@ def own_path(clip: Clip, path: Path, of: Path | None = None) -> Path:
     """The path that `follow` takes the clip to be on."""
     motion = complete(clip.sample())
     ahead = lead(motion)
-    return course_of(motion[ahead:], ahead, path, of).path
+    body = replace(motion[ahead:], history=motion.history)
+    return course_of(body, ahead, path if of else recognised(path, motion), of).path
