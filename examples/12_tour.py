@@ -19,7 +19,7 @@ own = mc.Path.of(motion)
 # x, height, z: a bend over a low hill, three times as long as the clip's own path.
 around = np.linspace(0.0, np.pi, 9)
 ring = own.length * np.stack([1.0 - np.cos(around), 0.0 * around, np.sin(around)], axis=1)
-ring[:, 1] = 0.1 * own.length * np.sin(around) ** 2
+ring[:, 1] = 0.05 * own.length * np.sin(around) ** 2
 tour = mc.Path(ring)
 tour.write("tour.csv")
 print(tour)
