@@ -45,7 +45,7 @@ def cleared(
 
 
 @kernel
-def _clear(heading, feet, source, spans, standing, longest, hurry):  # type: ignore[no-untyped-def]
+def _clear(heading, feet, source, spans, standing, longest, hurry):
     """Move the own foot in place. feet, source: ankle and ball of it and of the other (F, 3); standing (F,): at least 0
     where the other stands; longest: frames of a swing; hurry: cm a frame squared."""
     level = np.zeros(len(heading))
@@ -69,7 +69,7 @@ def _clear(heading, feet, source, spans, standing, longest, hurry):  # type: ign
 
 
 @kernel
-def _widest(heading, feet, low, high, x, z, size, most, enough):  # type: ignore[no-untyped-def]
+def _widest(heading, feet, low, high, x, z, size, most, enough):
     """How far apart the feet can be kept in a swing by the smallest bump, from this size on, that is enough or else
     best; and its size."""
     best, chosen = 0.0, 0.0
@@ -84,7 +84,7 @@ def _widest(heading, feet, low, high, x, z, size, most, enough):  # type: ignore
 
 
 @kernel
-def _passing(i, source, spans, standing, longest):  # type: ignore[no-untyped-def]
+def _passing(i, source, spans, standing, longest):
     """The swing before stance i, first frame and frame after it, and in which frame the foot passes the other how near
     in the source; the frame is -1 where it does not. The first and the last swing of a clip are even about the
     passing."""
@@ -115,7 +115,7 @@ def _passing(i, source, spans, standing, longest):  # type: ignore[no-untyped-de
 
 
 @kernel
-def _missing(heading, feet, source, at, distance):  # type: ignore[no-untyped-def]
+def _missing(heading, feet, source, at, distance):
     """The direction (x, z) from the other foot in the source as it passes, and by how much the feet are nearer now."""
     x, z = _between(source, at)
     x, z = x / distance, z / distance
@@ -125,7 +125,7 @@ def _missing(heading, feet, source, at, distance):  # type: ignore[no-untyped-de
 
 
 @kernel
-def _between(feet, f):  # type: ignore[no-untyped-def]
+def _between(feet, f):
     """From the middle of the other foot to that of the own, over the ground."""
     ankle, ball, other_ankle, other_ball = feet
     x = 0.5 * (ball[f, 0] + ankle[f, 0] - other_ball[f, 0] - other_ankle[f, 0])
@@ -133,7 +133,7 @@ def _between(feet, f):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _go_around(heading, feet, low, high, x, z):  # type: ignore[no-untyped-def]
+def _go_around(heading, feet, low, high, x, z):
     """Add the bump (x, z), as the body sees it, to a swing."""
     for f in range(max(low + 1, 0), min(high, len(heading))):
         u = (f - low) / (high - low)
@@ -145,7 +145,7 @@ def _go_around(heading, feet, low, high, x, z):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _apart(heading, feet, low, high, x, z):  # type: ignore[no-untyped-def]
+def _apart(heading, feet, low, high, x, z):
     """The least distance over the ground between the two feet, heel to ball, during a swing with a bump (x, z)."""
     ankle, ball, other_ankle, other_ball = feet
     nearest = 1e18
