@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
+from functools import cached_property
 
 import numpy as np
 
@@ -113,31 +114,31 @@ class Skeleton:
         return f"<Skeleton {joints} joints, {int(self.end_sites.sum())} end sites, {self.channel_count} channels>"
 
     # -- channels, in file order ---------------------------------------------------------------
-    @property
+    @cached_property
     def channel_count(self) -> int:
         return sum(len(kinds) for kinds in self.channels)
 
-    @property
+    @cached_property
     def channel_names(self) -> tuple[str, ...]:
         """C names such as "LeftKnee.Xrotation": how a channel is addressed everywhere."""
         return tuple(f"{name}.{kind}" for name, kinds in zip(self.names, self.channels, strict=True) for kind in kinds)
 
-    @property
+    @cached_property
     def channel_joints(self) -> np.ndarray:
         """(C,) the joint that each channel moves."""
-        return np.repeat(np.arange(len(self.names)), [len(kinds) for kinds in self.channels])
+        return frozen(np.repeat(np.arange(len(self.names)), [len(kinds) for kinds in self.channels]))
 
-    @property
+    @cached_property
     def channel_axes(self) -> np.ndarray:
         """(C,) 0, 1, 2 for X, Y, Z."""
-        return np.array([AXES.index(kind[0]) for kinds in self.channels for kind in kinds], np.int64)
+        return frozen(np.array([AXES.index(kind[0]) for kinds in self.channels for kind in kinds], np.int64))
 
-    @property
+    @cached_property
     def rotation_channels(self) -> np.ndarray:
         """(C,) True where the channel is a rotation (degrees), False where a position (file length)."""
-        return np.array([kind.endswith("rotation") for kinds in self.channels for kind in kinds], bool)
+        return frozen(np.array([kind.endswith("rotation") for kinds in self.channels for kind in kinds], bool))
 
-    @property
+    @cached_property
     def eulers(self) -> list[tuple[list[int], str]]:
         """For each joint the columns of its rotation channels and the order of their axes, "ZYX"."""
         found, first = [], 0
