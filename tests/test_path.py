@@ -299,3 +299,19 @@ def test_clips_without_places_are_refused() -> None:
         Path.of(replace(clip, values=values))
     with pytest.raises(Mismatch, match="a clip without frames has no path"):
         Path.of(clip[:0])
+
+
+def test_a_fit_that_frames_hardly_settle_is_refused_and_never_wild() -> None:
+    whole = walk(4 * PERIOD)
+    jerks = np.unique((np.linspace(0.0, 1.0, 40) ** 3 * (whole.frames - 1)).astype(int))
+    slow = replace(whole, values=whole.values[jerks])
+    extent, refused = np.ptp(slow.values[:, [0, 2]], axis=0).max(), 0
+    for degree in (1, 2, 3, 7, 9):
+        for points in range(slow.frames // 2, slow.frames + 1):
+            try:
+                path = Path.of(slow, points=points, degree=degree)
+            except OptionError as error:
+                refused += "swing far out" in str(error)
+            else:
+                assert np.ptp(path.points, axis=0).max() < 20.0 * extent
+    assert refused

@@ -48,6 +48,14 @@ def test_a_path_that_was_drawn_stays_what_it_is() -> None:
         assert recognised(drawn, CLIP) is drawn
 
 
+def test_a_drawn_path_of_nearly_as_many_points_as_frames_is_no_edit() -> None:
+    jerks = np.unique((np.linspace(0.0, 1.0, 40) ** 3 * (CLIP.frames - 1)).astype(int))
+    short = replace(CLIP, values=CLIP.values[jerks])
+    for count in range(short.frames // 2, short.frames + 1):  # fits to so few frames swing far out, or are not settled
+        drawn = Path(np.stack([np.zeros(count), np.linspace(0.0, 380.0, count)], axis=1))
+        assert recognised(drawn, short) is drawn
+
+
 def test_what_a_path_says_of_itself_holds() -> None:
     own = Path.of(CLIP, points=8)
     other = replace(own, fit=Path.of(CLIP, points=5).fit)

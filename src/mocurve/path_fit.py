@@ -18,6 +18,7 @@ from .whittaker import smoothed
 SMOOTH = 0.25  # seconds: of the track `smooth`; waves of 1.6 s are halved, those of a stride nearly gone
 STANDS = 1e-9  # of the largest coordinate: a shorter way is none
 STEADY = 0.1  # seconds: of the way that says where along its path a body is
+WILD = 10.0  # times as far as the track goes: control points further away are no path of it
 LEAD = 240  # frames that are looked at to see whether the first one is a T-pose
 
 
@@ -105,14 +106,14 @@ def of_track(track: np.ndarray, at: np.ndarray, fit: Fit, frame_time: float) -> 
     if fit.kind == "polynomial":
         basis = np.polynomial.chebyshev.chebvander(2.0 * at - 1.0, fit.degree)
         coefficients = np.linalg.lstsq(basis, samples - samples[0], rcond=None)[0]
-        at = np.polynomial.chebyshev.chebval(2.0 * chebyshev_places(fit.points) - 1.0, coefficients).T
-        return Path(samples[0] + at, fit.degree, "polynomial", fit=fit)
+        moved = np.polynomial.chebyshev.chebval(2.0 * chebyshev_places(fit.points) - 1.0, coefficients).T
+        return Path(samples[0] + _tame(moved, samples, fit), fit.degree, "polynomial", fit=fit)
     knots = bspline.clamped(np.linspace(0.0, 1.0, fit.points - fit.degree + 1), fit.degree)
     try:
         moved = least_squares(knots, fit.degree, at, samples - samples[0])
     except Mismatch as error:
         raise OptionError(f"{count} frames do not settle {fit.points} control points: take fewer") from error
-    return Path(samples[0] + moved, fit.degree, fit=fit)
+    return Path(samples[0] + _tame(moved, samples, fit), fit.degree, fit=fit)
 
 
 # -- in call order ---------------------------------------------------------------------------------
@@ -127,6 +128,17 @@ def _between_feet(motion: Motion) -> np.ndarray:
     places = kinematics.world(motion)
     groups = sides if all(sides) else [feet]
     return np.mean([places[:, group].mean(axis=1) for group in groups], axis=0)
+
+
+def _tame(moved: np.ndarray, samples: np.ndarray, fit: Fit) -> np.ndarray:
+    """Control points (N, D) from the first sample on, as they are; OptionError where they are far from the samples
+    (F, D), as where frames hardly tell some of them."""
+    if np.abs(moved).max() > WILD * np.abs(samples - samples[0]).max() + STANDS * (1.0 + np.abs(samples).max()):
+        raise OptionError(
+            f"{len(samples)} frames do not settle {fit.points} control points of degree {fit.degree}: between frames "
+            "the path would swing far out; take fewer"
+        )
+    return moved
 
 
 def _settled(fit: Fit, frames: int, moving: float) -> Fit:
