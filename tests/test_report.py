@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from legged import stepping, walk_left
 from visits import Visit
 
 import mocurve as mc
@@ -294,4 +295,18 @@ def test_odd_pairs_make_a_page_too(browser, tmp_path, case, first, second):
     assert opened.errors == []
     assert opened.page.is_visible("#curves") == (case != "other rotation order")
     assert opened.page.is_visible("#space") == (case != "no frames")
+    opened.page.close()
+
+
+def test_the_page_tells_how_feet_slide(browser, tmp_path):
+    step = walk_left()
+    slid = stepping(0.25 * np.arange(step.frames), np.zeros(step.frames))
+    path = tmp_path / "feet.html"
+    made = compare(step, slid)
+    made.save(path, sweep=False)
+    opened = Visit(browser, path)
+    words = opened.page.inner_text("#numbers")
+    assert f"{made.feet.after.speed:.2f} cm/s" in words
+    assert "feet slide where they stand in the first clip; there they do at 0.00" in words
+    assert opened.errors == []
     opened.page.close()

@@ -64,7 +64,7 @@ _HOME = {
     "run": "recipe",
 }
 __all__ = ["__version__", *_HOME]
-__version__ = "0.3.0"
+__version__ = "0.4.0"
 
 
 def __getattr__(name: str) -> Any:

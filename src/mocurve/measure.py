@@ -13,6 +13,7 @@ from . import kinematics
 from .errors import Mismatch, OptionError
 from .info import unit_of
 from .keyed import KeyedMotion
+from .measure_feet import FootSkate, foot_skate
 from .measure_noise import Noise
 from .measure_text import table
 from .motion import Clip, Motion
@@ -66,6 +67,7 @@ class Report:
     tolerance, method, align, quality: how the second clip was made; None where not known.
     key_frames:       frames of the keys that all channels share; None where they do not, or have none.
     noise:            what denoising found in the clip; None where nobody looked.
+    feet:             how feet slide in both, where they stand in the first; None where no two legs stand anywhere.
     """
 
     keys: int
@@ -89,6 +91,7 @@ class Report:
     channels: tuple[ChannelError, ...] = ()
     joints: tuple[JointError, ...] = ()
     noise: Noise | None = None
+    feet: FootSkate | None = None
     knots: int | None = None
     key_frames: tuple[int, ...] | None = None
     clips: tuple[Clip, Clip] | None = field(default=None, repr=False, compare=False)
@@ -122,8 +125,9 @@ class Report:
     def to_json(self) -> dict[str, Any]:
         """Plain dict for json.dumps; `Report.from_json` reads it back."""
         rows = {name: [asdict(row) for row in getattr(self, name)] for name in ("channels", "joints")}
-        plain = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in (*rows, "noise", "clips")}
-        plain["noise"] = None if self.noise is None else self.noise.to_json()
+        nested = ("noise", "feet")
+        plain = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in (*rows, *nested, "clips")}
+        plain |= {name: found and found.to_json() for name in nested for found in (getattr(self, name),)}
         return {**plain, "ratio": self.ratio, "over_bound": self.over_bound, **rows}
 
     @classmethod
@@ -136,6 +140,8 @@ class Report:
             known["key_frames"] = tuple(known["key_frames"])
         if known.get("noise") is not None:
             known["noise"] = Noise.from_json(known["noise"])
+        if known.get("feet") is not None:
+            known["feet"] = FootSkate.from_json(known["feet"])
         return cls(**known)
 
     def save(self, path: str | PathLike[str], *, sweep: bool = True) -> None:
@@ -184,6 +190,7 @@ def compare(a: Clip, b: Clip) -> Report:
         channels=() if off is None else _channel_rows(skeleton, keys, off),
         joints=tuple(JointError(name, *_max_rms(apart[:, joint])) for joint, name in enumerate(skeleton.names)),
         clips=(a, b),
+        feet=foot_skate(first, second),
     )
     return _with_making(report, b)
 
@@ -345,7 +352,8 @@ def _summary_lines(report: Report) -> list[str]:
         lines += [f"rotations  max {report.max_error_degrees:.4g} degrees, RMS {report.rms_error_degrees:.3g} degrees"]
     if report.max_error_length is not None and report.rms_error_length is not None:
         lines += [f"positions  {_lengths(report, report.max_error_length, report.rms_error_length)}"]
-    return [*lines, f"in space   {_lengths(report, report.max_error_world, report.rms_error_world)}"]
+    lines += [f"in space   {_lengths(report, report.max_error_world, report.rms_error_world)}"]
+    return lines if report.feet is None else [*lines, f"feet       {report.feet}"]
 
 
 def _lengths(report: Report, most: float, rms: float) -> str:

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..feet.contacts import Contact, found, positive, read_contacts, slowness
 from ..feet.legs import Leg, feet_of, legs
-from ..feet.skate import Skate, skate
+from ..feet.skate import skate
 from ..motion import Clip, Motion
 from ._locking import held, source_of
 from ._pair import complete, recorded, tell_sampled
@@ -152,16 +152,15 @@ def _measured(
 ) -> Locked:
     names = {motion.skeleton.names[leg.ball] for leg in both}
     balls = [contact for contact in listed if contact.joint in names]
-    none = Skate(0.0, 0.0, 1.0, 0.0, 0.0)
-    before, after = (skate(clip, balls, both, motion, speed) or none for clip in (motion, made))
+    before, after = (skate(clip, balls, both, motion, speed) for clip in (motion, made))
     return Locked(
         stances=strain.stances,
         changed=strain.changed,
-        speed_before=before.speed,
-        speed=after.speed,
-        drift_before=before.drift,
-        drift=after.drift,
-        kept=after.kept,
+        speed_before=before.speed if before else 0.0,
+        speed=after.speed if after else 0.0,
+        drift_before=before.drift if before else 0.0,
+        drift=after.drift if after else 0.0,
+        kept=after.kept if after else 1.0,
         drop=strain.drop,
         shift=strain.shift,
         released=[contact.to_json() for contact in gone],

@@ -48,6 +48,7 @@ function showNumbers() {
   cards.push([`${world[0]} ${world[1]}`, `is the furthest that any joint ${cleaning ? "was moved" : "is off"} in space${mm === null ? guess : `; ${three(r.max_error_world)} in the file's unit`}`]);
   if (r.max_error_degrees !== null) cards.push([`${three(r.max_error_degrees)}°`, `is the furthest that any rotation channel ${cleaning ? "was moved" : "is off"}; RMS ${three(r.rms_error_degrees)}°`]);
   if (r.over_bound !== null) cards.push([`${r.over_bound.toFixed(2)}×`, `the proven least: ${whole(r.lower_bound)} keys are needed at this tolerance`]);
+  if (r.feet) cards.push([`${r.feet.after.speed.toFixed(2)} cm/s`, `is how fast feet slide where they stand in the first clip; there they do at ${r.feet.before.speed.toFixed(2)}`]);
   for (const [number, words] of cards) {
     const card = document.createElement("div");
     card.append(element("b", number), element("span", words));
