@@ -16,7 +16,7 @@ from ..path_edits import recognised
 from ..path_fit import lead
 from ._following import Following as Following
 from ._pair import complete
-from .path_edit import check, course_of, path_of, ready
+from .path_edit import check, course_of, path_of, ready, taken_back
 
 
 def follow(
@@ -49,7 +49,8 @@ def follow(
         On a path with heights. upright: every foot that is held stands on the path beside it, the hips are as high as
         it is in between; without feet as lift. lift: the whole body is lifted. tangent: it also leans with the slope.
     of
-        The path that the clip is on; by default the one that the path is an edit of, or one that is fitted.
+        The path that the clip is on; by default the one that the path is an edit of, or one that is fitted. Where the
+        clip was taken from the new path before, as its own, it comes back exactly.
     lock_feet
         Hold feet still where they stand in the clip, as the verb lock_feet does, where the path moves them unevenly.
         Contacts that would pull the body out of shape are let go.
@@ -69,6 +70,8 @@ def follow(
     if own is None and clip.frames:
         given = recognised(given, complete(clip.sample()))
     edit = ready(clip, given, own, lock_feet, later=at_end == "cycle")
+    if own is not None and (mode, at_end) == ("arclength", "extend"):
+        edit = taken_back(edit, given, heading, posture)
     return edit.laid(given, mode=mode, at_end=at_end, heading=heading, posture=posture)
 
 

@@ -36,6 +36,8 @@ MODES = ("arclength", "time", "scaled", "span")
 HEADINGS = ("tangent", "facing")
 POSTURES = ("upright", "lift", "tangent")
 UP = 8  # frames, to see which way that is
+ROUNDS = 60  # in which the way back is looked for; walks and runs take 5 to 20
+SAME = 1e-4  # of a path's length: a fit as near is the path that was fitted, written with few digits
 NOTHING = 1e-10  # of the path's size: a frame that is moved by less stays where it is
 
 
@@ -132,6 +134,35 @@ def ready(clip: Clip, path: Path | None, of: Path | None, lock_feet: bool, later
     feet = Feet.of(body) if lock_feet and not later else None
     fit = None if of is not None or _laid_last(body, ahead) else (path and path.fit) or Fit()
     return PathEdit(motion, clip.history, ahead, body, course, lock_feet, feet, of is not None, fit)
+
+
+def taken_back(edit: PathEdit, path: Path, heading: str, posture: str) -> PathEdit:
+    """The clip, which is said to be on some path, made ready to go back to the one that was fitted to it before.
+
+    How far along its path every frame is can be told only by about a centimetre: the sway of the hips goes longer or
+    shorter ways on another path. What comes out has to have the same distances along the path that it goes back to: an
+    equation for them, solved by putting in again what they come to. Where that does not settle, or what comes out has
+    another path of its own, so that this is no way back, all stays as it was.
+    """
+    body, course, table = edit.body, edit.course, path.table()
+    count, width = path.points.shape
+    fit = path.fit or Fit(count, path.degree, path.kind, height=width == 3)
+    for turn in range(ROUNDS if body.frames > 1 else 0):
+        found, back = _found(body, course, path, table, ("arclength", "extend", heading))
+        made = carried_out(body, _planned(body, course, path, table, found, back, posture))
+        distance = table.distance(gone(made))
+        settled = np.abs(distance - course.distance).max() <= NOTHING * table.length
+        course = Course.of(body, course.path, course.table, distance)
+        if settled and not turn:
+            return edit
+        if settled:
+            try:
+                own = fitted(made, fit).points
+            except OptionError:  # more points than the clip settles
+                return edit
+            alike = own.shape == path.points.shape and np.abs(own - path.points).max() <= SAME * table.length
+            return replace(edit, course=course) if alike else edit
+    return edit
 
 
 def path_of(given: object) -> Path:
