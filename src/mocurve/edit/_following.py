@@ -21,7 +21,8 @@ class Following:
     """What became of the clip's own path.
 
     unit:        of the lengths that follow: "cm", or "units" of the file where nobody knows how long these are.
-    own_length:  of the clip's own path; length: of the new one.
+    own_length:  of the clip's own path; length: of the new one. cycle: how far the cycle goes that is repeated; None
+                 where none is.
     travelled:   along the new path, from the first frame to the last.
     beyond:      how much of that lies straight on behind an end of the path.
     residual:    how far the root is from the clip's own path, root mean square.
@@ -47,9 +48,11 @@ class Following:
     last: int | None
     turned: float
     feet: dict[str, Any] | None = None
+    cycle: float | None = None
 
     def __str__(self) -> str:
-        again = f", {self.cycles} cycles" if self.cycles > 1 else ""
+        each = "" if self.cycle is None else f" of {self.cycle:.4g} {self.unit}"
+        again = f", {self.cycles} cycles{each}" if self.cycles > 1 else ""
         lines = [
             f"own path: {self.own_length:.4g} {self.unit}, the root {self.residual:.3g} {self.unit} away from it",
             f"new path: {self.length:.4g} {self.unit}, {self.travelled:.4g} {self.unit} of it gone along in "
@@ -70,9 +73,16 @@ class Following:
 
 
 def measured(
-    base: Motion, made: Motion, course: Course, table: LengthTable, found: Way, by: np.ndarray, cycles: int
+    base: Motion,
+    made: Motion,
+    course: Course,
+    table: LengthTable,
+    found: Way,
+    by: np.ndarray,
+    cycles: tuple[int, float | None],
 ) -> Following:
-    """What became of a base that was laid along a path (`made`, with a T-pose in front or not)."""
+    """What became of a base that was laid along a path (`made`, with a T-pose in front or not). course: the clip's.
+    cycles: how often the motion begins, and how far one goes where it was repeated, file units."""
     length = centimetres(base)
     scale = length or 1.0
     ahead = made.frames - base.frames
@@ -85,12 +95,13 @@ def measured(
         beyond=scale * float(np.ptp(found.distance) - np.ptp(np.clip(found.distance, 0.0, table.length))),
         residual=scale * course.residual,
         frames=made.frames,
-        cycles=cycles,
+        cycles=cycles[0],
         stride=found.stride,
         slower=found.slower,
         first=int(moved[0]) if len(moved) else None,
         last=int(moved[-1]) if len(moved) else None,
         turned=float(np.degrees(np.abs(by[:, 0]).max(initial=0.0))),
+        cycle=None if cycles[1] is None else scale * cycles[1],
     )
 
 

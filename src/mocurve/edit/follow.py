@@ -68,7 +68,7 @@ def follow(
     check(mode, at_end, heading, posture, own is not None)
     if own is None and clip.frames:
         given = recognised(given, complete(clip.sample()))
-    edit = ready(clip, given, own, lock_feet, later=at_end == "cycle")
+    edit = ready(clip, given, own, lock_feet)
     return edit.laid(given, mode=mode, at_end=at_end, heading=heading, posture=posture)
 
 

@@ -87,14 +87,13 @@ class PathEdit:
         given = path_of(path)
         check(mode, at_end, heading, posture, self.said)
         motion, ahead, body, course = self.motion, self.ahead, self.body, self.course
-        start, every, feet = 0, body.frames, self.feet
+        start, every, feet, goes = 0, body.frames, self.feet, None
         table = given.table()
         if at_end == "cycle" and table.length > course.table.length * (1.0 + NOTHING):
-            body, start, every = repeated(body, table.length)
-            course = course_of(body, 0, None, None)
-            start, ahead, feet = start + ahead, 0, None  # a T-pose is no part of a cycle
-        if self.lock_feet and feet is None:
-            feet = Feet.of(body)
+            cycles = repeated(body, table.length)
+            body, course, every = cycles.motion, cycles.course, cycles.frames
+            feet = feet and feet.repeated(body, cycles.shown)
+            start, ahead, goes = cycles.start + ahead, 0, cycles.goes  # a T-pose is no part of a cycle
         found, back = _found(body, course, given, table, (mode, at_end, heading))
         base = at_frames(body, found.frame)
         plan = _planned(base, course, given, table, found, back, posture)
@@ -106,7 +105,7 @@ class PathEdit:
         if ahead:
             made = _with_lead(made, motion[:ahead], Plan(*(part[:1] for part in plan)))
             rows = {name: np.concatenate([row[:1] if name != "frame" else [0], row]) for name, row in rows.items()}
-        told = measured(base, made, course, table, found, plan.by, int(cycle[-1]) + 1)
+        told = measured(base, made, self.course, table, found, plan.by, (int(cycle[-1]) + 1, goes))
         told = replace(told, feet=None if steps is None else steps.to_json())
         tell(told)
         fitted_so = self.fit is None or self.fit == (given.fit or Fit())
@@ -117,8 +116,8 @@ class PathEdit:
         return recorded(made, (*self.history, step))  # type: ignore[return-value]  # a Motion stays one
 
 
-def ready(clip: Clip, path: Path | None, of: Path | None, lock_feet: bool, later: bool = False) -> PathEdit:
-    """A clip made ready for a path, which may say how its own was fitted. later: its feet are not looked for yet."""
+def ready(clip: Clip, path: Path | None, of: Path | None, lock_feet: bool) -> PathEdit:
+    """A clip made ready for a path, which may say how its own was fitted."""
     if not isinstance(lock_feet, bool):
         raise OptionError(f"lock_feet is true or false, not {lock_feet!r}")
     tell_sampled((clip,), "a body is moved along a path frame by frame")
@@ -129,7 +128,7 @@ def ready(clip: Clip, path: Path | None, of: Path | None, lock_feet: bool, later
     ahead = lead(motion)
     body = replace(motion[ahead:], history=motion.history) if ahead else motion  # of its last step the path is asked
     course = course_of(body, ahead, path, of)
-    feet = Feet.of(body) if lock_feet and not later else None
+    feet = Feet.of(body) if lock_feet else None
     fit = None if of is not None or _laid_last(body, ahead) else (path and path.fit) or Fit()
     return PathEdit(motion, clip.history, ahead, body, course, lock_feet, feet, of is not None, fit)
 
@@ -186,11 +185,7 @@ def _tell_up(motion: Motion) -> None:
 def _laid_last(body: Motion, ahead: int) -> Course | None:
     """The path that the last step of its history laid the body along."""
     step = body.history[-1] if body.history else {}
-    if (
-        step.get("verb") != "follow"
-        or len(step["table"]["distance"]) != body.frames + ahead
-        or step["table"]["cycle"][-1]
-    ):
+    if step.get("verb") != "follow" or len(step["table"]["distance"]) != body.frames + ahead:
         return None
     distance = np.array(step["table"]["distance"])
     if (np.diff(distance) < 0).any():
