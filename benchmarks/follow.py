@@ -11,8 +11,9 @@ far the hips go down for it (cm), the worst of four paths, and on the slalom, wh
 Slopes: how far balls in contact are from the slope at most, beside their height over the floor of the clip, each foot
 on it and the body lifted (cm). Cycles: clips repeated over paths of four times their own length; the largest step and
 second difference of a joint where cycles meet, times what 99.5 % of the frames elsewhere stay below (least 1.0); how
-far the root turns away from the path's heading a cycle (degrees, least 0.1); how fast balls slide in contact. Times are medians of processor times of a clip made ready once; they hold the edit and
-the places of all joints at the frames that changed.
+far the root turns away from the path's heading a cycle (degrees, least 0.1); how fast balls slide in contact. Times
+are medians of processor times of a clip made ready once; they hold the edit and the places of all joints at the frames
+that changed.
 """
 
 from __future__ import annotations

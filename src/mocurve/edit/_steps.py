@@ -128,7 +128,7 @@ class Feet:
                 if contact.joint == joint:
                     stands |= (shown >= contact.first) & (shown <= contact.last)
             for first, end in runs(~stands):
-                stands[first:end] = 0 < first and end < len(stands) and (end - first) * long.frame_time < GAP
+                stands[first:end] = first > 0 and end < len(stands) and (end - first) * long.frame_time < GAP
             lasting = [span for span in runs(stands).tolist() if (span[1] - span[0]) * long.frame_time >= LEAST]
             spans += [(joint, first, end - 1) for first, end in lasting]
         listed = self._at(long, spans)
