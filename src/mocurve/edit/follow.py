@@ -1,7 +1,8 @@
 """The verb `follow`: a motion laid along another path (Gleicher 2001, Motion path editing).
 
 A motion is taken relative to its own path, to axes that stand upright, look along the path and move as the body does;
-these are put onto the other path, at the same distance from its beginning.
+these are put onto the other path, at the same distance from its beginning. Axes that keep their heading leave residuals
+absolute.
 """
 
 from __future__ import annotations
@@ -45,6 +46,7 @@ def follow(
         as mode scaled. cycle: the clearest cycle is repeated to the path's end.
     heading
         tangent: the body turns as the path does. facing: so too, but where it backs up it goes back along the path.
+        kept: it is only shifted and does not turn.
     posture
         On a path with heights. upright: every foot that is held stands on the path beside it, the hips are as high as
         it is in between; without feet as lift. lift: the whole body is lifted. tangent: it also leans with the slope.

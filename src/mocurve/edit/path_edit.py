@@ -33,7 +33,7 @@ from ._repeat import repeated
 from ._steps import Feet, Steps, stepping
 
 MODES = ("arclength", "time", "scaled", "span")
-HEADINGS = ("tangent", "facing")
+HEADINGS = ("tangent", "facing", "kept")
 POSTURES = ("upright", "lift", "tangent")
 UP = 8  # frames, to see which way that is
 NOTHING = 1e-10  # of the path's size: a frame that is moved by less stays where it is
@@ -196,12 +196,12 @@ def _laid_last(body: Motion, ahead: int) -> Course | None:
 
 def _found(
     body: Motion, course: Course, path: Path, table: LengthTable, options: tuple[str, str, str]
-) -> tuple[Way, np.ndarray]:
-    """The way along the path, and which frames (G,) of it go backwards."""
+) -> tuple[Way, np.ndarray | None]:
+    """The way along the path, and which frames (G,) of it go backwards; None where the body does not turn."""
     mode, at_end, heading = options
-    if heading == "tangent":
+    if heading != "facing":
         found = way(course, path, table, mode, at_end, body.frame_time)
-        return found, np.zeros(len(found.frame), bool)
+        return found, None if heading == "kept" else np.zeros(len(found.frame), bool)
     distance, back = progress(body, course, path, table, _bearing.gate(body)[0])
     signed = replace(course, distance=distance)
     found = way(signed, path, table, mode, at_end, body.frame_time)
@@ -210,7 +210,7 @@ def _found(
 
 
 def _planned(
-    base: Motion, course: Course, path: Path, table: LengthTable, found: Way, back: np.ndarray, posture: str
+    base: Motion, course: Course, path: Path, table: LengthTable, found: Way, back: np.ndarray | None, posture: str
 ) -> Plan:
     """What is done to the root of every frame (G,); nothing to those that are kept."""
     some = np.flatnonzero(~found.kept)
@@ -220,7 +220,7 @@ def _planned(
     own, distance = found.own[some], found.distance[some]
     (old, old_heading), (new, new_heading) = course.at(found.frame[some], own), path.at(distance, table)
     turn = np.zeros(len(some))
-    if course.table.length > 0 and table.length > 0:
+    if back is not None and course.table.length > 0 and table.length > 0:
         turn = _turned(base, found, some, old_heading, new_heading + np.pi * back[some])
     by = laid(turn, old[:, [0, -1]], new[:, [0, -1]])
     rises, rose = new.shape[1] == 3, old.shape[1] == 3
