@@ -230,7 +230,7 @@ def degrees() -> tuple[str, Image.Image]:
 
 
 def traced(clip: mc.Motion, path: mc.Path, width: int, ahead: bool = False) -> Image.Image:
-    """The root, pale, and a path, from above; lying, z to the right. ahead: also where the body looks, twice a second."""
+    """The root, pale, and a path, from above, z to the right. ahead: also where the body looks, twice a second."""
     track, curve = roots(clip)[:, [2, 0]], path.place(np.linspace(0.0, 1.0, 600))[:, [1, 0]]
     both = np.concatenate([track, curve])
     low, high = both.min(axis=0), both.max(axis=0)
