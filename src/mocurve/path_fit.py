@@ -12,7 +12,7 @@ from .errors import Mismatch, OptionError
 from .feet.planted import FOOT
 from .info import first_frame_is_t_pose
 from .motion import Clip, Motion
-from .path import Fit, Path, chebyshev_places
+from .path import Fit, Path, chebyshev_places, too_few
 from .whittaker import smoothed
 
 SMOOTH = 0.25  # seconds: of the track `smooth`; waves of 1.6 s are halved, those of a stride nearly gone
@@ -143,14 +143,11 @@ def _settled(fit: Fit, frames: int, seconds: float) -> Fit:
                 f"the degree of a polynomial through {frames} frames is {frames - 1} at most, not {fit.degree}"
             )
         if fit.points not in (None, fit.degree + 1):
-            raise OptionError(f"a polynomial of degree {fit.degree} has {fit.degree + 1} points, not {fit.points}")
+            raise OptionError(too_few(fit.points, fit.degree, fit.kind))
         return replace(fit, points=fit.degree + 1)
     points = fit.points
     if points is not None and fit.degree > points - 1:
-        raise OptionError(
-            f"{points} control points make a curve of degree {points - 1} at most, not {fit.degree}: take more points, "
-            f"or degree {points - 1}"
-        )
+        raise OptionError(too_few(points, fit.degree, fit.kind))
     if points is None:  # one a second, and one more for its end
         points = min(max(fit.degree + 1, round(seconds) + 1), frames)
     if points > frames:

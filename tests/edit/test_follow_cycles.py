@@ -76,12 +76,6 @@ def test_cycles_of_a_clip_made_ready_are_those_of_follow() -> None:
     assert edit.laid(tour, at_end="cycle").history == laid(clip, tour, at_end="cycle").history
 
 
-def test_paths_too_long_to_be_filled_are_refused() -> None:
-    for length in (1e9, 1e11):
-        with pytest.raises(mc.OptionError, match=r"the clip would have to be repeated .* times, over 200000 frames"):
-            laid(walking(), mc.Path([(0, 0), (0, length)]), at_end="cycle")
-
-
 # -- promises on captures ------------------------------------------------------------------------
 def tours(length: float) -> dict[str, mc.Path]:
     """A straight path, an arc of 3 m and a slalom, in the clips' unit."""

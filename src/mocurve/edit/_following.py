@@ -65,7 +65,9 @@ class Following:
             lines.append(f"the way that strides make is {self.stride:.3g} times as long{time}")
         changed = "nothing" if self.first is None else f"frames {self.first} to {self.last}"
         lines.append(f"changed: {changed}, turned by up to {self.turned:.3g} degrees")
-        return "\n".join(lines if self.feet is None else [*lines, str(Steps(**self.feet))])
+        if self.feet is not None and self.feet["contacts"]:
+            lines.append(str(Steps(**self.feet)))
+        return "\n".join(lines)
 
     def to_json(self) -> dict[str, Any]:
         """The same as plain numbers and texts."""

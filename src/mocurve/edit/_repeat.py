@@ -13,12 +13,11 @@ from ..motion import Motion
 from ..path import Path
 from ..path_fit import gone, moving, roots
 from . import _cycles
-from ._along import Course
+from ._along import MOST_FRAMES, Course
 from .loop import loop
 
 CLOSED = 0.01  # of the body's size: a clip whose ends are no further apart is one cycle
 MOVED = 0.01  # of the body's size in a cycle: less is standing
-MOST_FRAMES = 200_000
 TRIED = 4  # cycles, to see how one goes that others surround
 DEGREE = 3
 

@@ -12,7 +12,7 @@ from dataclasses import replace
 from typing import Any
 
 from ..motion import Clip, Motion
-from ..path import Path
+from ..path import Path, walkable
 from ..path_edits import recognised
 from ..path_fit import lead
 from ._following import Following as Following
@@ -65,7 +65,7 @@ def follow(
 
     >>> tour = mc.follow(walk, mc.Path([(0, 0), (200, 80), (400, -80), (600, 0)]), at_end="cycle")
     """
-    given = path_of(path)
+    given = walkable(path_of(path))
     own = None if of is None else path_of(of)
     check(mode, at_end, heading, posture, own is not None)
     if own is None and clip.frames:

@@ -17,7 +17,7 @@ from ..errors import Mismatch, MocurveError, OptionError, UnknownName
 from ..info import z_is_up
 from ..kinematics import world
 from ..motion import Clip, History, Motion
-from ..path import Fit, Path
+from ..path import Fit, Path, walkable
 from ..path_files import as_json, of_json
 from ..path_fit import fitted, gone, lead
 from ..path_length import LengthTable
@@ -36,7 +36,7 @@ MODES = ("arclength", "time", "scaled", "span")
 HEADINGS = ("tangent", "facing", "kept")
 POSTURES = ("upright", "lift", "tangent")
 UP = 8  # frames, to see which way that is
-NOTHING = 1e-10  # of the path's size: a frame that is moved by less stays where it is
+NOTHING = 1e-10  # of places on the paths: a frame that is moved by less stays where it is
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +84,7 @@ class PathEdit:
         posture: str = "upright",
     ) -> Motion:
         """The motion laid along a path; all is as in `follow`, which has these options too."""
-        given = path_of(path)
+        given = walkable(path_of(path))
         check(mode, at_end, heading, posture, self.said)
         motion, ahead, body, course = self.motion, self.ahead, self.body, self.course
         start, every, feet, goes = 0, body.frames, self.feet, None
@@ -228,7 +228,7 @@ def _planned(
     pitch = np.zeros(len(some))
     if posture == "tangent" and rises:
         pitch = path.slope(table.parameter(distance)) - course.path.slope(course.table.parameter(own))
-    near = NOTHING * (1.0 + max(table.length, course.table.length))
+    near = NOTHING * (1.0 + max(np.abs(old).max(), np.abs(new).max()))
     same = (np.abs(by).max(axis=1, initial=0.0) <= near) & (np.abs(lift) <= near) & (np.abs(pitch) <= NOTHING)
     about = np.stack([new[:, 0], new[:, 1] if rises else lift, new[:, -1], new_heading], axis=1)
     for whole, part in zip(plan, (by, lift[:, None], pitch[:, None], about), strict=True):
