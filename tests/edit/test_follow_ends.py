@@ -18,7 +18,6 @@ from mocurve import Mismatch, OptionError, UnknownName, planar
 from mocurve.kinematics import world
 from mocurve.path import Path
 
-
 ROWS = [list(point) for point in SHORT]
 
 

@@ -13,6 +13,7 @@ from .. import planar
 from ..errors import MocurveError
 from ..feet.contacts import GAP, LEAST, Contact, found, runs, slowness
 from ..feet.legs import Leg, feet_of, legs, tracks
+from ..feet.skate import skate
 from ..kinematics import world
 from ..motion import Motion
 from ._body import carried
@@ -135,6 +136,13 @@ class Feet:
         if not listed:
             return Feet(why="no foot stands anywhere in the cycle")
         return Feet(self.legs, listed, source_of(long, listed, self.legs))
+
+    def leaning(self, steps: Steps, made: Motion, frames: np.ndarray, carry: np.ndarray, pitch: np.ndarray) -> Steps:
+        """The numbers of a motion that shows frames (F,) of the clip and has leaned (F, 1) after its feet were held."""
+        balls, touched = {made.skeleton.names[leg.ball] for leg in self.legs}, _touched(carry, pitch)
+        listed = [c for c in self.shown(made, frames)[0] if c.joint in balls and touched[c.first : c.last + 1].any()]
+        found = skate(made, listed, self.legs)
+        return replace(steps, speed=found.speed if found else 0.0)
 
     def _mapped(self, base: Motion, frames: np.ndarray) -> tuple[Contact, ...]:
         spans = []

@@ -279,12 +279,17 @@ def _made(
         part = base if len(runs) == 1 else base[run]
         own = None if lines is None else (lines[0].cut(run), lines[1] and lines[1].cut(run))
         parts.append(stepping(feet, part, found.frame[run], plan.by[run], lift[run], own, ahead + run.start))
-    made = parts[0][0]
+    made, told = parts[0][0], [steps for _, steps in parts]
     if len(parts) > 1:
         made = replace(base, values=np.concatenate([part.values for part, _ in parts]), report=None)
     if lines is None:
         made = carried_out(made, plan._replace(by=np.zeros_like(plan.by)))
-    return made, Steps.of([steps for _, steps in parts])
+        if plan.pitch.any():  # a body that leans takes its feet along
+            told = [
+                steps and feet.leaning(steps, made[run], found.frame[run], plan.by[run], plan.pitch[run])
+                for steps, run in zip(told, runs, strict=True)
+            ]
+    return made, Steps.of(told)
 
 
 def _with_lead(made: Motion, first: Motion, plan: Plan) -> Motion:
