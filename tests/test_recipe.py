@@ -47,6 +47,7 @@ EACH: dict[str, list[Made]] = {
     ],
     "fit": [lambda a, b: mc.fit(a, spans=20, knots="uniform"), lambda a, b: mc.fit(a, tolerance="9deg", degree=2)],
     "trim": [lambda a, b: mc.trim(a, start=0.5, end=1.0), lambda a, b: a[20:50]],
+    "axes": [lambda a, b: mc.axes(a, up="y", to="z"), lambda a, b: mc.axes(mc.reduce(a, tolerance="9deg"), up="x")],
     "blend": [lambda a, b: mc.blend(a, b, {"*Arm": "0:0,1:1"}), lambda a, b: mc.blend(a, mc.blend(b, a, 0.5), 0.3)],
     "mix": [lambda a, b: mc.mix([a, b, a], [1, 1, 2])],
     "interpolate": [

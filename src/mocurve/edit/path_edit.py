@@ -179,7 +179,10 @@ def course_of(body: Motion, ahead: int, path: Path | None, of: Path | None) -> C
 def _tell_up(motion: Motion) -> None:
     frames = np.unique(np.linspace(0, motion.frames - 1, UP).astype(int))
     if z_is_up(world(replace(motion, values=motion.values[frames], report=None))):
-        warnings.warn("the body seems to stand along z: a path lies on the ground x, z, with y up", stacklevel=4)
+        warnings.warn(
+            "the body seems to stand along z: a path lies on the ground x, z, with y up; axes turns the clip so",
+            stacklevel=4,
+        )
 
 
 def _laid_last(body: Motion, ahead: int) -> Course | None:
