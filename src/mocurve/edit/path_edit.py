@@ -180,7 +180,7 @@ def _tell_up(motion: Motion) -> None:
     frames = np.unique(np.linspace(0, motion.frames - 1, UP).astype(int))
     if z_is_up(world(replace(motion, values=motion.values[frames], report=None))):
         warnings.warn(
-            "the body seems to stand along z: a path lies on the ground x, z, with y up; axes turns the clip so",
+            "the body seems to stand along z: a path lies on the ground x, z, with y up; if z is up here, axes turns it",
             stacklevel=4,
         )
 
