@@ -1,4 +1,4 @@
-"""follow with heading kept: residuals are absolute, the body is shifted from its own path to the new one, not turned."""
+"""follow with heading kept: residuals are absolute, the body is shifted to the new path and not turned."""
 
 from __future__ import annotations
 

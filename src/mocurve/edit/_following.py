@@ -28,7 +28,7 @@ class Following:
     residual:    how far the root is from the clip's own path, root mean square.
     frames:      of the result; cycles: how often the motion begins in it.
     stride:      how long strides are in modes scaled and span, times the source's; slower: how many times as long the
-                 clip, or its edited span, takes, because strides stay within 0.6 and 1.15.
+                 clip, or its edited span, takes, because strides stay within 0.6 and 1.15, or because of bends.
     first, last: frame from which and to which the result differs from the clip; None where it does not.
     turned:      the most that a frame is turned, degrees.
     feet:        the numbers of `Steps`; None where no feet were held.
@@ -63,6 +63,8 @@ class Following:
         if self.stride != 1.0:
             time = "" if self.slower == 1.0 else f" and takes {self.slower:.3g} times the time"
             lines.append(f"the way that strides make is {self.stride:.3g} times as long{time}")
+        elif self.slower != 1.0:
+            lines.append(f"bends are taken more slowly: in all {self.slower:.3g} times the time")
         changed = "nothing" if self.first is None else f"frames {self.first} to {self.last}"
         lines.append(f"changed: {changed}, turned by up to {self.turned:.3g} degrees")
         if self.feet is not None and self.feet["contacts"]:

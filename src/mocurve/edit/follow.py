@@ -37,13 +37,14 @@ def follow(
     ----------
     mode
         How far along the new path a frame is. arclength: as far as it was along the clip's own path, so that the speed
-        stays. time: where the curve's parameter is the same. scaled: so that the clip fills the path, with strides 0.6
-        to 1.15 times as long, and more or less time where that is not enough. span: only where control points of the
-        clip's own path were moved is anything changed, in the same bounds.
+        stays. paced: so too, but slower in bends narrower than 2.5 m, as people go. time: where the curve's parameter
+        is the same. scaled: so that the clip fills the path, with strides 0.6 to 1.15 times as long, and more or less
+        time where that is not enough. span: only where control points of the clip's own path were moved is anything
+        changed, in the same bounds.
     at_end
-        Where one of the two is longer, for mode arclength. extend: straight on behind the path's end. truncate: the
-        clip ends with the path. stop: it comes to rest there. reset: it begins again there, as does the path. scale:
-        as mode scaled. cycle: the clearest cycle is repeated to the path's end.
+        Where one of the two is longer, for modes arclength and paced. extend: straight on behind the path's end.
+        truncate: the clip ends with the path. stop: it comes to rest there. reset: it begins again there, as does the
+        path. scale: as mode scaled. cycle: the clearest cycle is repeated to the path's end.
     heading
         tangent: the body turns as the path does. facing: so too, but where it backs up it goes back along the path.
         kept: it is only shifted and does not turn.

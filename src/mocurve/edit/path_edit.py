@@ -28,11 +28,13 @@ from ._carry import Plan, at_frames, carried_out, laid
 from ._facing import progress
 from ._following import measured, tell
 from ._heights import Line, steep
+from ._pace import paced
 from ._pair import check_mode, complete, recorded, tell_sampled
 from ._repeat import repeated
 from ._steps import Feet, Steps, stepping
 
-MODES = ("arclength", "time", "scaled", "span")
+MODES = ("arclength", "paced", "time", "scaled", "span")
+ALONG = ("arclength", "paced")  # that keep distances, so that clip and path need not end together
 HEADINGS = ("tangent", "facing", "kept")
 POSTURES = ("upright", "lift", "tangent")
 UP = 8  # frames, to see which way that is
@@ -155,10 +157,12 @@ def check(mode: str, at_end: str, heading: str, posture: str, said: bool) -> Non
     ):
         if name not in names:
             raise UnknownName(what, name, names)
-    if mode != "arclength" and at_end != "extend":
-        raise OptionError(f"at_end {at_end} is for mode arclength: in mode {mode} clip and path end together")
-    if mode != "arclength" and heading == "facing":
-        raise OptionError(f"heading facing is for mode arclength, not {mode}")
+    if mode not in ALONG and at_end != "extend":
+        raise OptionError(
+            f"at_end {at_end} is for modes arclength and paced: in mode {mode} clip and path end together"
+        )
+    if mode not in ALONG and heading == "facing":
+        raise OptionError(f"heading facing is for modes arclength and paced, not {mode}")
     if at_end == "cycle" and said:
         raise OptionError("at_end cycle repeats the clip, which then has a path of its own: leave `of` out")
 
@@ -179,10 +183,8 @@ def course_of(body: Motion, ahead: int, path: Path | None, of: Path | None) -> C
 def _tell_up(motion: Motion) -> None:
     frames = np.unique(np.linspace(0, motion.frames - 1, UP).astype(int))
     if z_is_up(world(replace(motion, values=motion.values[frames], report=None))):
-        warnings.warn(
-            "the body seems to stand along z: a path lies on the ground x, z, with y up; if z is up here, axes turns it",
-            stacklevel=4,
-        )
+        told = "the body seems to stand along z: a path lies on the ground x, z, with y up"
+        warnings.warn(f"{told}; if z is up here, axes turns it", stacklevel=4)
 
 
 def _laid_last(body: Motion, ahead: int) -> Course | None:
@@ -204,10 +206,13 @@ def _found(
     mode, at_end, heading = options
     if heading != "facing":
         found = way(course, path, table, mode, at_end, body.frame_time)
+        found = paced(found, body, course, path, table) if mode == "paced" else found
         return found, None if heading == "kept" else np.zeros(len(found.frame), bool)
     distance, back = progress(body, course, path, table, _bearing.gate(body)[0])
     signed = replace(course, distance=distance)
     found = way(signed, path, table, mode, at_end, body.frame_time)
+    if mode == "paced":
+        found = paced(replace(found, own=course.distance[found.frame.astype(np.int64)]), body, course, path, table)
     own = distances_at(course.distance, found.frame)
     return replace(found, own=own), back[found.frame.astype(np.int64)]
 
