@@ -282,6 +282,19 @@ def test_a_span_is_what_the_whole_clip_would_be(captured: Callable[[str], mc.Mot
     assert scale * off(made, whole) < 0.02
 
 
+@pytest.mark.parametrize("posture", ["lift", "tangent"])
+def test_the_slide_that_is_told_is_that_of_the_result(posture: str, captured: Callable[[str], mc.Motion]) -> None:
+    clip = captured("12_01_walk")[1:]
+    hill = mc.Path([(0, 0, 0), (0, 0, 10), (0, 8, 30), (0, 8, 40), (0, 0, 60), (0, 0, 70)])
+    made = mc.follow(clip, hill, posture=posture)
+    both = legs(clip)
+    balls = {clip.skeleton.names[leg.ball] for leg in both}
+    slides = skate(made, [contact for contact in mc.contacts(clip) if contact.joint in balls], both)
+    assert slides is not None
+    assert measured(made)["feet"]["speed"] == pytest.approx(slides.speed, abs=1e-6)
+    assert (slides.speed > 1) == (posture == "tangent")  # a body that leans takes its feet along
+
+
 # -- made ready ----------------------------------------------------------------------------------
 @pytest.mark.parametrize("options", [{}, {"mode": "span"}, {"mode": "scaled"}, {"at_end": "stop"}, {"at_end": "reset"}])
 def test_a_clip_made_ready_is_laid_as_follow_lays_it(
@@ -351,19 +364,6 @@ def test_on_a_slope_every_foot_stands_on_it(name: str, slope: float, captured: C
             floats = rode[span, 1] - slope * rode[span, 2]
             assert scale * np.abs(floats - before[span, 1]).max() > 40 * abs(slope) * 0.3  # a body that is lifted
     assert edges(made) < 1.1 * edges(clip)
-
-
-@pytest.mark.parametrize("posture", ["lift", "tangent"])
-def test_the_slide_that_is_told_is_that_of_the_result(posture: str, captured: Callable[[str], mc.Motion]) -> None:
-    clip = captured("12_01_walk")[1:]
-    hill = mc.Path([(0, 0, 0), (0, 0, 10), (0, 8, 30), (0, 8, 40), (0, 0, 60), (0, 0, 70)])
-    made = mc.follow(clip, hill, posture=posture)
-    both = legs(clip)
-    balls = {clip.skeleton.names[leg.ball] for leg in both}
-    slides = skate(made, [contact for contact in mc.contacts(clip) if contact.joint in balls], both)
-    assert slides is not None
-    assert measured(made)["feet"]["speed"] == pytest.approx(slides.speed, abs=1e-6)
-    assert (slides.speed > 1) == (posture == "tangent")  # a body that leans takes its feet along
 
 
 def test_a_path_too_steep_to_stand_on_lifts_the_body_and_says_so(captured: Callable[[str], mc.Motion]) -> None:
