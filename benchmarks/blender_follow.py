@@ -26,7 +26,8 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
-from follow import CM, clip, tours
+from follow import CM, clip
+from follow_cycles import tours
 
 import mocurve as mc
 from mocurve import kinematics, planar
@@ -48,7 +49,7 @@ GOAL = "slide of follow / Follow Path: least 1/20"
 
 
 def paths(length: float) -> dict[str, mc.Path]:
-    """Those of follow.py, and an arc of 1 m; metres."""
+    """Those of follow_cycles.py, and an arc of 1 m; metres."""
     around = np.linspace(0.0, length, max(24, round(8 * length)))
     arc = np.stack([1.0 - np.cos(around), np.sin(around)], axis=1)
     return {**tours(length), "arc of 1 m": mc.Path(100.0 / CM * arc)}
