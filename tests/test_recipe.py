@@ -80,6 +80,10 @@ EACH: dict[str, list[Made]] = {
     "follow": [
         lambda a, b: mc.follow(a, [(0, 0), (20, 30), (0, 60), (10, 90)]),
         lambda a, b: mc.follow(a, mc.Path([(0, 0), (20, 60), (0, 90)]), of=mc.Path.of(a), lock_feet=False, mode="time"),
+        lambda a, b: mc.follow(a, [(0, 0), (20, 30), (0, 60)], mode="paced", heading="kept", lock_feet=False),
+        lambda a, b: mc.follow(
+            mc.read("jump.bvh"), [(0, 0), (40, 60), (0, 200)], mode="paced", at_end="cycle", lock_feet=False
+        ),
     ],
     "lock_feet": [
         lambda a, b: mc.lock_feet(a, release=True),
