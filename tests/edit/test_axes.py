@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -101,6 +102,13 @@ def test_a_capture_with_z_up_is_laid_along_a_path(jump: Path, tmp_path: Path) ->
     assert rest_height(again) == rest_height(clip)
     assert again.values.tobytes() == clip.values.tobytes()
     assert mc.follow(again, path).values.tobytes() == mc.follow(clip, path).values.tobytes()
+
+
+@pytest.mark.parametrize("verb", [mc.contacts, mc.lock_feet])
+def test_who_looks_for_feet_tells_that_z_may_be_up(verb: Callable[[mc.Motion], object], jump: Path) -> None:
+    clip = mc.read(jump).sample()
+    with pytest.warns(UserWarning, match="seems to stand along z: feet stand on the ground .* axes turns it"):
+        verb(mc.axes(clip, up="y", to="z").sample())
 
 
 def test_markers_are_turned_too() -> None:

@@ -14,8 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import Mismatch, MocurveError, OptionError, UnknownName
-from ..info import z_is_up
-from ..kinematics import world
+from ..info import tell_up
 from ..motion import Clip, History, Motion
 from ..path import Fit, Path, walkable
 from ..path_files import as_json, of_json
@@ -37,7 +36,6 @@ MODES = ("arclength", "paced", "time", "scaled", "span")
 ALONG = ("arclength", "paced")  # that keep distances, so that clip and path need not end together
 HEADINGS = ("tangent", "facing", "kept")
 POSTURES = ("upright", "lift", "tangent")
-UP = 8  # frames, to see which way that is
 NOTHING = 1e-10  # of places on the paths: a frame that is moved by less stays where it is
 
 
@@ -126,7 +124,7 @@ def ready(clip: Clip, path: Path | None, of: Path | None, lock_feet: bool) -> Pa
     motion = complete(clip.sample())
     if not motion.frames:
         raise Mismatch("a clip without frames follows no path")
-    _tell_up(motion)
+    tell_up(motion, "a path lies", 5)
     ahead = lead(motion)
     body = replace(motion[ahead:], history=motion.history) if ahead else motion  # of its last step the path is asked
     course = course_of(body, ahead, path, of)
@@ -178,13 +176,6 @@ def course_of(body: Motion, ahead: int, path: Path | None, of: Path | None) -> C
 
 
 # -- in call order ---------------------------------------------------------------------------------
-
-
-def _tell_up(motion: Motion) -> None:
-    frames = np.unique(np.linspace(0, motion.frames - 1, UP).astype(int))
-    if z_is_up(world(replace(motion, values=motion.values[frames], report=None))):
-        told = "the body seems to stand along z: a path lies on the ground x, z, with y up"
-        warnings.warn(f"{told}; if z is up here, axes turns it", stacklevel=4)
 
 
 def _laid_last(body: Motion, ahead: int) -> Course | None:
