@@ -15,6 +15,7 @@ import re
 import warnings
 from argparse import ArgumentParser
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from pathlib import Path as File
 from typing import Any
@@ -24,7 +25,7 @@ from clips import folder
 from PIL import Image, ImageDraw, ImageFont
 
 import mocurve as mc
-from mocurve import draw_path, draw_views
+from mocurve import draw_path, draw_views, rotation
 from mocurve.data import example
 from mocurve.draw_curves import Axes, frame
 from mocurve.feet.legs import legs
@@ -141,6 +142,24 @@ def graph(away: np.ndarray, frame_time: float, most: float, width: int) -> Image
 
 
 # -- the experiments -------------------------------------------------------------------------------
+def residuals() -> tuple[str, Image.Image]:
+    """Figures 3.1 and 3.2: a body that goes zig-zag along a straight path, which then turns aside."""
+    clip = replace(followed(walk(), mc.Path(ZIGZAG.points[:4], 1), mc.Path.of(walk()), at_end="cycle"), history=())
+    own = mc.Path.of(clip, points=2, degree=1)
+    quarter = np.linspace(0.0, 0.5 * np.pi, 8)
+    bend = np.stack([1.2 - 1.2 * np.cos(quarter), 0.6 + 1.2 * np.sin(quarter)], axis=1)
+    path = drawn(np.concatenate([[(0.0, 0.0)], bend, np.linspace([1.2, 1.8], [3.8, 1.8], 8)[1:]]))
+    lines, panels = [HEAD], [traced(clip, own, 330, ahead=True)]
+    names = ["3.2 a: zig-zag, and its path", "3.2 b: absolute", "3.2 c: relative to the path"]
+    for name, heading in zip(names[1:], ("kept", "tangent"), strict=True):
+        made = followed(clip, path, own, heading=heading)
+        lines.append(row(name, clip, own, made, path))
+        panels.append(traced(made, path, 330, ahead=True))
+    for name, image in zip(names, panels, strict=True):
+        draw_title(image, name)
+    return "\n".join(lines), draw_views.beside(panels, 3)
+
+
 def arc_length() -> tuple[str, Image.Image]:
     """Figures 5.1 to 5.5."""
     own, far, near = mc.Path.of(walk()), weaving(6.0), weaving(2.4)
@@ -210,20 +229,28 @@ def degrees() -> tuple[str, Image.Image]:
     return "\n".join(lines), draw_views.beside(panels, 2)
 
 
-def traced(clip: mc.Motion, path: mc.Path, width: int) -> Image.Image:
-    """The root, pale, and a path, from above; lying, z to the right."""
-    track, curve = clip.values[:, [2, 0]], path.place(np.linspace(0.0, 1.0, 600))[:, [1, 0]]
-    low, high = track.min(axis=0), track.max(axis=0)
-    scale = 2 * 0.84 * width / (high - low)[0]
+def traced(clip: mc.Motion, path: mc.Path, width: int, ahead: bool = False) -> Image.Image:
+    """The root, pale, and a path, from above, z to the right. ahead: also where the body looks, twice a second."""
+    track, curve = roots(clip)[:, [2, 0]], path.place(np.linspace(0.0, 1.0, 600))[:, [1, 0]]
+    both = np.concatenate([track, curve])
+    low, high = both.min(axis=0), both.max(axis=0)
     image = Image.new("RGB", (2 * width, round(2 * 0.42 * width)), "white")
-    draw, middle = ImageDraw.Draw(image), np.array(image.size) / 2
-    for line, colour, thick in ((track, draw_views.OWN[1], 7), (curve, draw_views.OWN[0], 4)):
-        draw.line(
-            [(float(x), float(y)) for x, y in (line - 0.5 * (low + high)) * scale + middle],
-            colour,
-            thick,
-            joint="curve",
-        )
+    scale = 0.84 * float((np.array(image.size) / np.maximum(high - low, 1e-9)).min())
+    draw, middle = ImageDraw.Draw(image), np.array(image.size) / 2 + np.array([0.0, 10.0])
+
+    def line(places: np.ndarray, colour: str, thick: int) -> None:
+        at = (places - 0.5 * (low + high)) * scale + middle
+        draw.line([(float(x), float(y)) for x, y in at], colour, thick, joint="curve")
+
+    line(track, draw_views.OWN[1], 7)
+    line(curve, draw_views.OWN[0], 4)
+    if ahead:
+        columns, order = clip.skeleton.eulers[0]
+        look = rotation.rotate(rotation.from_euler(clip.values[:, columns], order), np.array([0.0, 0.0, 1.0]))[
+            :, [2, 0]
+        ]
+        for frame in range(0, clip.frames, round(0.5 / clip.frame_time)):
+            line(track[frame] + np.outer([0.0, 0.25 * METRE], look[frame]), "#46505c", 4)
     return image.reduce(2)
 
 
@@ -319,6 +346,7 @@ def tour() -> Image.Image:
 
 
 EXPERIMENTS: dict[str, Callable[[], tuple[str, Image.Image]]] = {
+    "residuals": residuals,
     "arc length": arc_length,
     "cycling": cycling,
     "degrees": degrees,

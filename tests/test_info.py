@@ -250,3 +250,11 @@ def test_a_joint_that_passes_gimbal_lock_is_named() -> None:
     values = CLEAN.values.copy()
     values[30:, 9:12] = np.array([180.0, 180.0, 180.0]) + [1, -1, 1] * values[30:, 9:12]
     assert "gimbal lock passed by 1 joint (J2): unroll mends that" in oddities(replace(CLEAN, values=values))
+
+
+def test_a_body_along_z_is_known_also_where_its_root_stays_behind() -> None:
+    standing = np.stack([np.zeros(12), np.linspace(0.0, 170.0, 12), np.zeros(12)], axis=1)[None]
+    walked = standing + np.array([0.0, 0.0, 900.0])
+    walked[:, 0] = 0.0  # the root stays where it was
+    assert not info.z_is_up(walked)
+    assert info.z_is_up(walked[..., [0, 2, 1]])

@@ -47,6 +47,7 @@ EACH: dict[str, list[Made]] = {
     ],
     "fit": [lambda a, b: mc.fit(a, spans=20, knots="uniform"), lambda a, b: mc.fit(a, tolerance="9deg", degree=2)],
     "trim": [lambda a, b: mc.trim(a, start=0.5, end=1.0), lambda a, b: a[20:50]],
+    "axes": [lambda a, b: mc.axes(a, up="y", to="z"), lambda a, b: mc.axes(mc.reduce(a, tolerance="9deg"), up="x")],
     "blend": [lambda a, b: mc.blend(a, b, {"*Arm": "0:0,1:1"}), lambda a, b: mc.blend(a, mc.blend(b, a, 0.5), 0.3)],
     "mix": [lambda a, b: mc.mix([a, b, a], [1, 1, 2])],
     "interpolate": [
@@ -79,6 +80,10 @@ EACH: dict[str, list[Made]] = {
     "follow": [
         lambda a, b: mc.follow(a, [(0, 0), (20, 30), (0, 60), (10, 90)]),
         lambda a, b: mc.follow(a, mc.Path([(0, 0), (20, 60), (0, 90)]), of=mc.Path.of(a), lock_feet=False, mode="time"),
+        lambda a, b: mc.follow(a, [(0, 0), (20, 30), (0, 60)], mode="paced", heading="kept", lock_feet=False),
+        lambda a, b: mc.follow(
+            mc.read("jump.bvh"), [(0, 0), (40, 60), (0, 200)], mode="paced", at_end="cycle", lock_feet=False
+        ),
     ],
     "lock_feet": [
         lambda a, b: mc.lock_feet(a, release=True),

@@ -39,6 +39,7 @@ _HOME = {
     "poses": "reduction",
     "compare": "measure",
     "trim": "edit.trim",
+    "axes": "edit.axes",
     "blend": "edit.blend",
     "mix": "edit.mix",
     "interpolate": "edit.interpolate",

@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
+import warnings
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from os import PathLike, fspath
 from typing import Any
 
 import numpy as np
 
 from .errors import OptionError
-from .kinematics import rest_height, rest_offsets
+from .kinematics import rest_height, rest_offsets, world
 from .motion import History, Motion, unroll
 
 PERSON_METRES = 1.7
 CMU_METRES = 0.0254 / 0.45  # the length unit of the CMU motion capture database, mocap.cs.cmu.edu/faqs.php
 UNITS = {"mm": 0.001, "cm": 0.01, "inch": 0.0254, "m": 1.0, "CMU unit of 5.6444 cm": CMU_METRES}
 BIG_JUMP_DEGREES = 90.0
+SEEN = 8  # frames, to see which way is up
 
 
 @dataclass(frozen=True)
@@ -131,9 +133,18 @@ def unit_of(motion: Motion) -> Unit:
 
 
 def z_is_up(places: np.ndarray) -> bool:
-    """Whether bodies (F, J, 3) are clearly taller along Z than along Y, on the average over the frames."""
-    tall = np.ptp(places, axis=1).mean(axis=0)
+    """Whether bodies (F, J, 3) are clearly taller along Z than along Y, on the average over the frames; some joints in
+    ten may be elsewhere, as a root is that stays where the body began."""
+    tall = np.diff(np.percentile(places, [10, 90], axis=1), axis=0)[0].mean(axis=0)
     return bool(tall[2] > 1.2 * tall[1])
+
+
+def tell_up(motion: Motion, what: str, stacklevel: int = 3) -> None:
+    """A warning where a body seems to stand along z. what: is on the ground, where y has to be up."""
+    frames = np.unique(np.linspace(0, max(motion.frames - 1, 0), SEEN).astype(int))
+    if motion.frames and z_is_up(world(replace(motion, values=motion.values[frames], report=None))):
+        told = f"the body seems to stand along z: {what} on the ground x, z, with y up; if z is up here, axes turns it"
+        warnings.warn(told, stacklevel=stacklevel)
 
 
 def first_frame_is_t_pose(motion: Motion) -> bool:

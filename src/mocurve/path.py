@@ -23,8 +23,10 @@ if TYPE_CHECKING:
 KINDS = ("spline", "polynomial")
 TRACKS = ("root", "support", "smooth")
 PARTS = 16  # places between two knots where a heading is looked for
+USUAL = 3  # degree
 STANDS = 1e-9  # of the mean speed: slower than this a curve has no direction
 MOST_POINTS, MOST_DEGREE = 100_000, 200
+NOWHERE = "all points are in one place: the path has no length"
 LARGEST = 1e12  # of a coordinate: squares of larger ones lose the digits of a path
 
 
@@ -55,7 +57,7 @@ class Path:
     """A curve over the ground, in the clip's length unit.
 
     points: (N, 2) x, z, or (N, 3) x, y, z with the height y; two or more, read-only.
-    degree: of the curve, 3; N points are a curve of degree N - 1 at most, so that two points are a straight line.
+    degree: of the curve, 3, or N - 1 for fewer points N, so that two points are a straight line.
     kind:   spline: a clamped B-spline, which begins at its first control point and ends at its last one.
             polynomial: the one polynomial of degree N - 1 through all points, which stand where the extrema of a
             Chebyshev polynomial stand in the parameter; at any degree it is computed in the Chebyshev basis.
@@ -82,6 +84,8 @@ class Path:
             raise OptionError(f"a polynomial has {MOST_DEGREE + 1} points at most, not {len(points)}")
         put(self, "points", frozen(points))
         most = len(points) - 1
+        if self.degree > max(most, USUAL):
+            raise OptionError(too_few(len(points), self.degree, self.kind))
         put(self, "degree", most if self.kind == "polynomial" else min(int(self.degree), most))
         put(self, "knots", frozen(self._knots()))
 
@@ -276,6 +280,26 @@ class Path:
         after = np.clip(np.searchsorted(there, parameter), 0, len(there) - 1)
         before = np.maximum(after - 1, 0)
         return np.where(parameter - there[before] < there[after] - parameter, angle[before], angle[after])
+
+
+def too_few(points: int, degree: int, kind: str) -> str:
+    """A sentence for a degree that takes more points."""
+    if kind == "polynomial":
+        return f"a polynomial of degree {degree} has {degree + 1} points, not {points}"
+    return (
+        f"{points} control points make a curve of degree {points - 1} at most, not {degree}: take more points, or "
+        f"degree {points - 1}"
+    )
+
+
+def walkable(path: Path) -> Path:
+    """The path, to be followed; OptionError where it has no way over the ground."""
+    extent = np.ptp(path.points, axis=0)
+    if not extent.any():
+        raise OptionError(NOWHERE)
+    if not extent[[0, -1]].max() > STANDS * extent.max():
+        raise OptionError("the path goes straight up: it has no way over the ground")
+    return path
 
 
 def chebyshev_places(count: int) -> np.ndarray:

@@ -13,10 +13,10 @@ from typing import Any, NoReturn
 import numpy as np
 
 from . import path_svg
-from .errors import FileError, MocurveError
+from .errors import FileError, MocurveError, OptionError
 from .formats._files import Path as File
 from .formats._files import encoded, opened, replacing
-from .path import LARGEST, Fit, Path
+from .path import LARGEST, Fit, Path, walkable
 
 EXTENSIONS = (".csv", ".json", ".svg")
 KIND = "mocurve path"
@@ -38,10 +38,10 @@ def read(file: File) -> Path:
         raise FileError("is not text in UTF-8", file, raw.count(b"\n", 0, error.start) + 1) from error
     text = text.replace("\r\n", "\n").replace("\r", "\n")
     path, lines = {".csv": _from_csv, ".json": _from_json, ".svg": path_svg.parsed}[kind](text, file)
-    if not path.length > 0:
-        raise FileError("all points are in one place: the path has no length", file, lines[0])
-    if not np.ptp(path.points[:, [0, -1]], axis=0).any():
-        raise FileError("the path goes straight up: it has no way over the ground", file, lines[0])
+    try:
+        walkable(path)
+    except OptionError as error:
+        raise FileError(str(error), file, lines[0]) from error
     if kind != ".svg":  # there the ends of handles often lie together
         _tell_doubled(path.points, lines, os.fsdecode(file))
     return path
@@ -165,7 +165,8 @@ def _point(cells: list[str], order: list[int], width: int, file: File, number: i
     for place in order:
         value = float(cells[place]) if _is_number(cells[place]) else np.nan
         if not abs(value) <= LARGEST:
-            raise FileError(f"column {place + 1}: a number expected, {cells[place][:40]!r} found", file, number)
+            wanted = f"a number up to {LARGEST:g}" if abs(value) < np.inf else "a number"
+            raise FileError(f"column {place + 1}: {wanted} expected, {cells[place][:40]!r} found", file, number)
         point.append(value)
     return point
 

@@ -12,7 +12,7 @@ from .errors import Mismatch, OptionError
 from .feet.planted import FOOT
 from .info import first_frame_is_t_pose
 from .motion import Clip, Motion
-from .path import Fit, Path, chebyshev_places
+from .path import Fit, Path, chebyshev_places, too_few
 from .whittaker import smoothed
 
 SMOOTH = 0.25  # seconds: of the track `smooth`; waves of 1.6 s are halved, those of a stride nearly gone
@@ -94,11 +94,15 @@ def roots(motion: Motion) -> np.ndarray:
     return places.mean(axis=1)
 
 
+def moving(at: np.ndarray, frame_time: float) -> float:
+    """Seconds in which a body moves whose frames are at parameters (F,): half of the time, if it stands half of it."""
+    speed = np.diff(at)
+    return frame_time * float(speed.sum() ** 2 / max((speed**2).sum(), 1e-300))
+
+
 def of_track(track: np.ndarray, at: np.ndarray, fit: Fit, frame_time: float) -> Path:
     """The path fitted to places (F, 3) at parameters (F,) that do not fall, from 0 to 1."""
-    speed = np.diff(at)
-    moving = frame_time * float(speed.sum() ** 2 / max((speed**2).sum(), 1e-300))  # seconds: half, if it stands half
-    count, fit = len(track), _settled(fit, len(track), moving)
+    count, fit = len(track), _settled(fit, len(track), moving(at, frame_time))
     samples = track if fit.height else track[:, [0, 2]]
     assert fit.points is not None
     if count == 1:
@@ -141,8 +145,8 @@ def _tame(moved: np.ndarray, samples: np.ndarray, fit: Fit) -> np.ndarray:
     return moved
 
 
-def _settled(fit: Fit, frames: int, moving: float) -> Fit:
-    """With a number of points and a degree that so many frames allow."""
+def _settled(fit: Fit, frames: int, seconds: float) -> Fit:
+    """With a number of points and a degree that so many frames allow; seconds in which the body moves."""
     if frames == 1:
         return replace(fit, points=2, degree=1, kind="spline")
     if fit.kind == "polynomial":
@@ -151,16 +155,13 @@ def _settled(fit: Fit, frames: int, moving: float) -> Fit:
                 f"the degree of a polynomial through {frames} frames is {frames - 1} at most, not {fit.degree}"
             )
         if fit.points not in (None, fit.degree + 1):
-            raise OptionError(f"a polynomial of degree {fit.degree} has {fit.degree + 1} points, not {fit.points}")
+            raise OptionError(too_few(fit.points, fit.degree, fit.kind))
         return replace(fit, points=fit.degree + 1)
     points = fit.points
     if points is not None and fit.degree > points - 1:
-        raise OptionError(
-            f"{points} control points make a curve of degree {points - 1} at most, not {fit.degree}: take more points, "
-            f"or degree {points - 1}"
-        )
+        raise OptionError(too_few(points, fit.degree, fit.kind))
     if points is None:  # one a second, and one more for its end
-        points = min(max(fit.degree + 1, round(moving) + 1), frames)
+        points = min(max(fit.degree + 1, round(seconds) + 1), frames)
     if points > frames:
         raise OptionError(f"a path of {points} control points takes as many frames, and the clip has {frames}")
     return replace(fit, points=points, degree=min(fit.degree, points - 1))

@@ -15,7 +15,7 @@ import numpy as np
 from . import bspline
 from .errors import FileError, OptionError
 from .formats._files import Path as File
-from .path import Path
+from .path import NOWHERE, Path
 
 _PATH = re.compile(r"<path\b([^>]*)>", re.IGNORECASE | re.DOTALL)
 _D = re.compile(r"\bd\s*=\s*(\"[^\"]*\"|'[^']*')", re.DOTALL)
@@ -43,7 +43,7 @@ def parsed(text: str, file: File) -> tuple[Path, list[int | None]]:
     lengths = np.linalg.norm(np.diff(segments, axis=1), axis=2).sum(axis=1)
     segments = segments[lengths > 0]
     if not len(segments):
-        raise FileError("all points are in one place: the path has no length", file, line)
+        raise FileError(NOWHERE, file, line)
     lengths = lengths[lengths > 0]
     points = np.concatenate([segments[:1, 0], segments[:, 1:].reshape(-1, 2)])
     breaks = np.concatenate([[0.0], np.cumsum(lengths) / lengths.sum()])

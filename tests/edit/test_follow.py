@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path as File
-from typing import Any
 
 import numpy as np
 import pytest
-from paths import MOVED, bent, edges, laid, measured, off, table, walking
+from paths import FITS, MOVED, bent, edges, laid, measured, off, table, walking
 from turning import heading
 
 import mocurve as mc
@@ -17,19 +16,13 @@ from mocurve import planar
 from mocurve.edit._locking import Source
 from mocurve.edit.path_edit import PathEdit
 from mocurve.feet.legs import legs, tracks
+from mocurve.feet.skate import skate
 from mocurve.kinematics import world
 from mocurve.path import Path
 from mocurve.path_fit import gone
 
 MODES = ["arclength", "time", "scaled", "span"]
 AROUND = np.linspace(0, 4, 24)
-FITS: dict[str, dict[str, Any]] = {
-    "usual": {},
-    "smooth": {"points": 9, "degree": 4, "track": "smooth"},
-    "feet": {"track": "support"},
-    "heights": {"height": True},
-    "polynomial": {"kind": "polynomial", "degree": 12},
-}
 CASES = [(fit, mode) for fit in FITS for mode in MODES if (fit, mode) != ("polynomial", "span")]
 
 
@@ -278,6 +271,19 @@ def test_a_span_is_what_the_whole_clip_would_be(captured: Callable[[str], mc.Mot
     scale = 5.6444  # cm a unit
     assert measured(made)["feet"]["contacts"] < 16
     assert scale * off(made, whole) < 0.02
+
+
+@pytest.mark.parametrize("posture", ["lift", "tangent"])
+def test_the_slide_that_is_told_is_that_of_the_result(posture: str, captured: Callable[[str], mc.Motion]) -> None:
+    clip = captured("12_01_walk")[1:]
+    hill = mc.Path([(0, 0, 0), (0, 0, 10), (0, 8, 30), (0, 8, 40), (0, 0, 60), (0, 0, 70)])
+    made = mc.follow(clip, hill, posture=posture)
+    both = legs(clip)
+    balls = {clip.skeleton.names[leg.ball] for leg in both}
+    slides = skate(made, [contact for contact in mc.contacts(clip) if contact.joint in balls], both)
+    assert slides is not None
+    assert measured(made)["feet"]["speed"] == pytest.approx(slides.speed, abs=1e-6)
+    assert (slides.speed > 1) == (posture == "tangent")  # a body that leans takes its feet along
 
 
 # -- made ready ----------------------------------------------------------------------------------

@@ -109,6 +109,14 @@ def test_a_drawing_is_filled_with_cycles_and_shown(folder: File, capsys: pytest.
     assert b"cycles" in (folder / "a.html").read_bytes()
 
 
+def test_bends_taken_slowly_and_a_heading_that_is_kept(folder: File, capsys: pytest.CaptureFixture[str]) -> None:
+    (folder / "p.csv").write_text("0,0\n0,20\n20,20\n")
+    told = run(capsys, "follow jump.bvh --path p.csv -o a.bvh --mode paced --heading kept --no-lock-feet")
+    assert told["measured"]["turned"] == 0
+    assert told["measured"]["slower"] > 1.05
+    assert told["frames"] == mc.read("a.bvh").frames > mc.read("jump.bvh").frames
+
+
 def test_without_json_it_says_what_it_did(folder: File, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["path", "jump.bvh", "-o", "p.csv", "--html", "p.html"]) == 0
     out = capsys.readouterr().out

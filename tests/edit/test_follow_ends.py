@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from pathlib import Path as File
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,8 @@ import mocurve as mc
 from mocurve import Mismatch, OptionError, UnknownName, planar
 from mocurve.kinematics import world
 from mocurve.path import Path
+
+ROWS = [list(point) for point in SHORT]
 
 
 # -- ends ----------------------------------------------------------------------------------------
@@ -203,7 +206,6 @@ def test_a_clip_that_goes_nowhere_stands_where_the_path_begins() -> None:
         made = laid(standing, mc.Path([(50, 60), (300, 60)]))
     shift = np.array([50, 0, 60]) - standing.values[0, :3] * [1, 0, 1]
     np.testing.assert_allclose(world(made), world(standing) + shift, atol=1e-9)
-    assert laid(standing, Path.of(standing)).values.tobytes() == standing.values.tobytes()
 
 
 def test_a_body_that_sways_on_the_spot_is_not_spun() -> None:
@@ -214,19 +216,19 @@ def test_a_body_that_sways_on_the_spot_is_not_spun() -> None:
     assert np.ptp(heading(made)) < 1
 
 
-def test_a_path_without_length_is_a_place_to_stand() -> None:
-    clip = walking()
-    made = laid(clip, mc.Path([(5, 5), (5, 5)]), mode="scaled")
-    assert np.isfinite(made.values).all()
-    assert np.ptp(made.values[:, [0, 2]], axis=0).max() < 60
-
-
-@pytest.mark.parametrize("frames", [1, 2, 3])
+@pytest.mark.parametrize("frames", [2, 3])
 def test_few_frames(frames: int) -> None:
     clip = walk(frames)
-    made = laid(clip, Path.of(clip)) if frames > 1 else laid(clip, mc.Path([(0, 0), (0, 0)]))
+    assert laid(clip, Path.of(clip)).values.tobytes() == clip.values.tobytes()
+    made = laid(clip, SHORT)
     assert made.frames == frames
     assert np.isfinite(made.values).all()
+
+
+def test_one_frame_stands_where_the_path_begins() -> None:
+    with pytest.warns(UserWarning, match="the clip goes nowhere"):
+        made = laid(walk(1), [(5, 7), (100, 7)])
+    np.testing.assert_allclose(made.values[0, [0, 2]], [5, 7], atol=1e-9)
 
 
 def test_markers_follow_too() -> None:
@@ -248,9 +250,13 @@ def test_markers_follow_too() -> None:
         (UnknownName, SHORT, {"at_end": "cicle"}, "Did you mean 'cycle'?"),
         (UnknownName, SHORT, {"heading": "tangnt"}, "Did you mean 'tangent'?"),
         (UnknownName, SHORT, {"posture": "up"}, "There is: upright, lift, tangent"),
-        (OptionError, SHORT, {"mode": "time", "at_end": "stop"}, "at_end stop is for mode arclength"),
-        (OptionError, SHORT, {"mode": "time", "heading": "facing"}, "heading facing is for mode arclength"),
+        (OptionError, SHORT, {"mode": "time", "at_end": "stop"}, "at_end stop is for modes arclength and paced"),
+        (OptionError, SHORT, {"mode": "time", "heading": "facing"}, "heading facing is for modes arclength and paced"),
         (OptionError, SHORT, {"at_end": "cycle", "of": mc.Path(LONG)}, "leave `of` out"),
+        (OptionError, {"points": ROWS, "degree": 5}, {}, "3 control points make a curve of degree 2 at most, not 5"),
+        (OptionError, {"points": ROWS, "degree": 5, "kind": "polynomial"}, {}, "of degree 5 has 6 points, not 3"),
+        (OptionError, [(5, 5), (5, 5)], {}, "all points are in one place: the path has no length"),
+        (OptionError, [(5, 0, 5), (5, 9, 5)], {}, "the path goes straight up: it has no way over the ground"),
         (OptionError, [(0, 0)], {}, "a path has 2 to 100000 points"),
         (OptionError, [(0, 0), (0, np.nan)], {}, "point 2 of the path"),
         (OptionError, {"points": "none"}, {}, 'a path is {"points"'),
@@ -284,9 +290,35 @@ def test_a_root_that_cannot_turn_is_refused_and_one_that_goes_straight_is_not() 
         laid(stiff, SHORT)
 
 
-def test_paths_too_long_to_be_filled_are_refused() -> None:
-    with pytest.raises(OptionError, match="the clip would have to be repeated"):
-        laid(walking(), mc.Path([(0, 0), (0, 1e9)]), at_end="cycle")
+@pytest.mark.parametrize("options", [{"mode": "scaled"}, {"at_end": "cycle"}])
+def test_paths_too_long_to_be_filled_are_refused(options: dict[str, str]) -> None:
+    told = {"mode": r"the clip takes .* times its time, over 200000 frames", "at_end": "would have to be repeated"}
+    for length in (1e7, 1e11):
+        with pytest.raises(OptionError, match=told[next(iter(options))]):
+            laid(walking(), mc.Path([(0, 0), (0, length)]), **options)
+
+
+def test_a_span_that_takes_too_much_time_is_refused() -> None:
+    clip = walking()
+    path = Path.of(clip, points=8)
+    points = np.array(path.points)
+    points[4] += 1e7
+    with pytest.raises(OptionError, match=r"the clip takes .* times its time, over 200000 frames"):
+        laid(clip, replace(path, points=points), mode="span")
+
+
+def test_on_a_path_however_long_a_clip_goes_as_it_would_on_a_short_one() -> None:
+    clip = walking()
+    short, long = (laid(clip, mc.Path([(0, 0), (length, 0)])) for length in (1e3, 1e11))
+    np.testing.assert_allclose(world(long), world(short), atol=1e-3)
+
+
+def test_a_path_stretch_straight_up_is_followed_and_that_in_a_file_is_told(tmp_path: File) -> None:
+    points = [(0, 0, 0), (0, 0, 50), (0, 60, 50), (0, 120, 50), (0, 120, 300)]
+    assert np.isfinite(laid(walking(), points).values).all()
+    (tmp_path / "p.csv").write_text("\n".join(",".join(map(str, point)) for point in points))
+    with pytest.warns(UserWarning, match=r"p\.csv:3: the point is straight above or below the one before it"):
+        Path.read(tmp_path / "p.csv")
 
 
 def test_a_body_that_stands_along_z_is_told() -> None:

@@ -17,6 +17,13 @@ MOVED = np.array([2.0, 130.0, -70.0])
 SHORT = [(0, 0), (100, 50), (100, 250)]
 laid = partial(mc.follow, lock_feet=False)  # the walk has no knees
 LONG = [(0, 0), (500, 0), (500, 700), (1500, 800), (1500, 0)]
+FITS: dict[str, dict[str, Any]] = {
+    "usual": {},
+    "smooth": {"points": 9, "degree": 4, "track": "smooth"},
+    "feet": {"track": "support"},
+    "heights": {"height": True},
+    "polynomial": {"kind": "polynomial", "degree": 12},
+}
 
 
 def walking(cycles: float = 4, turn: float = 0.3) -> mc.Motion:

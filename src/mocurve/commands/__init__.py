@@ -13,6 +13,7 @@ GROUPS = {
     },
     "One motion changed": {
         "trim": "A piece of a clip, exactly as it was.",
+        "axes": "A clip whose file has z up, or x, turned so that y is up; and back.",
         "warp": "A clip bent smoothly so that channels have given values at given times.",
         "retime": "Moments of a clip moved to other times; smooth in between, never backwards.",
         "act-out": "A clip gets the timing with which somebody performs it.",

@@ -6,6 +6,7 @@ before it is asked for.
 
 VERBS = {
     "trim": "trim",
+    "axes": "axes",
     "blend": "blend",
     "mix": "mix",
     "interpolate": "interpolate",

@@ -19,6 +19,7 @@ from ..path_length import LengthTable
 
 SETTLE = 0.5  # seconds in which a motion comes to rest
 STRIDES = (0.6, 1.15)  # times the source's: beyond, more of a span's new length goes into time
+MOST_FRAMES = 200_000  # of a result, where more are made than the clip has
 SAME = 1e-9  # of a length: control points as near have not been moved, and ends as near are reached
 
 
@@ -123,6 +124,9 @@ def _stretched(frames: np.ndarray, first: int, last: int, slower: float) -> np.n
     """Frames (G,), those between two of them taken so many times as slowly."""
     if slower == 1.0 or last <= first:
         return frames.astype(float)
+    most = max(MOST_FRAMES, 2 * len(frames))
+    if not (last - first) * slower <= most:
+        raise OptionError(f"the path is so long that the clip takes {slower:.3g} times its time, over {most} frames")
     count = max(round((last - first) * slower), 1)
     between = first + (last - first) * np.arange(count) / count
     return np.concatenate([frames[:first], between, frames[last:]])

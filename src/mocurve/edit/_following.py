@@ -21,13 +21,14 @@ class Following:
     """What became of the clip's own path.
 
     unit:        of the lengths that follow: "cm", or "units" of the file where nobody knows how long these are.
-    own_length:  of the clip's own path; length: of the new one.
+    own_length:  of the clip's own path; length: of the new one. cycle: how far the cycle goes that is repeated; None
+                 where none is.
     travelled:   along the new path, from the first frame to the last.
     beyond:      how much of that lies straight on behind an end of the path.
     residual:    how far the root is from the clip's own path, root mean square.
     frames:      of the result; cycles: how often the motion begins in it.
     stride:      how long strides are in modes scaled and span, times the source's; slower: how many times as long the
-                 clip, or its edited span, takes, because strides stay within 0.6 and 1.15.
+                 clip, or its edited span, takes, because strides stay within 0.6 and 1.15, or because of bends.
     first, last: frame from which and to which the result differs from the clip; None where it does not.
     turned:      the most that a frame is turned, degrees.
     feet:        the numbers of `Steps`; None where no feet were held.
@@ -47,9 +48,11 @@ class Following:
     last: int | None
     turned: float
     feet: dict[str, Any] | None = None
+    cycle: float | None = None
 
     def __str__(self) -> str:
-        again = f", {self.cycles} cycles" if self.cycles > 1 else ""
+        each = "" if self.cycle is None else f" of {self.cycle:.4g} {self.unit}"
+        again = f", {self.cycles} cycles{each}" if self.cycles > 1 else ""
         lines = [
             f"own path: {self.own_length:.4g} {self.unit}, the root {self.residual:.3g} {self.unit} away from it",
             f"new path: {self.length:.4g} {self.unit}, {self.travelled:.4g} {self.unit} of it gone along in "
@@ -60,9 +63,13 @@ class Following:
         if self.stride != 1.0:
             time = "" if self.slower == 1.0 else f" and takes {self.slower:.3g} times the time"
             lines.append(f"the way that strides make is {self.stride:.3g} times as long{time}")
+        elif self.slower != 1.0:
+            lines.append(f"bends are taken more slowly: in all {self.slower:.3g} times the time")
         changed = "nothing" if self.first is None else f"frames {self.first} to {self.last}"
         lines.append(f"changed: {changed}, turned by up to {self.turned:.3g} degrees")
-        return "\n".join(lines if self.feet is None else [*lines, str(Steps(**self.feet))])
+        if self.feet is not None and self.feet["contacts"]:
+            lines.append(str(Steps(**self.feet)))
+        return "\n".join(lines)
 
     def to_json(self) -> dict[str, Any]:
         """The same as plain numbers and texts."""
@@ -70,9 +77,16 @@ class Following:
 
 
 def measured(
-    base: Motion, made: Motion, course: Course, table: LengthTable, found: Way, by: np.ndarray, cycles: int
+    base: Motion,
+    made: Motion,
+    course: Course,
+    table: LengthTable,
+    found: Way,
+    by: np.ndarray,
+    cycles: tuple[int, float | None],
 ) -> Following:
-    """What became of a base that was laid along a path (`made`, with a T-pose in front or not)."""
+    """What became of a base that was laid along a path (`made`, with a T-pose in front or not). course: the clip's.
+    cycles: how often the motion begins, and how far one goes where it was repeated, file units."""
     length = centimetres(base)
     scale = length or 1.0
     ahead = made.frames - base.frames
@@ -85,12 +99,13 @@ def measured(
         beyond=scale * float(np.ptp(found.distance) - np.ptp(np.clip(found.distance, 0.0, table.length))),
         residual=scale * course.residual,
         frames=made.frames,
-        cycles=cycles,
+        cycles=cycles[0],
         stride=found.stride,
         slower=found.slower,
         first=int(moved[0]) if len(moved) else None,
         last=int(moved[-1]) if len(moved) else None,
         turned=float(np.degrees(np.abs(by[:, 0]).max(initial=0.0))),
+        cycle=None if cycles[1] is None else scale * cycles[1],
     )
 
 

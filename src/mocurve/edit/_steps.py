@@ -11,8 +11,9 @@ import numpy as np
 
 from .. import planar
 from ..errors import MocurveError
-from ..feet.contacts import Contact, found, slowness
+from ..feet.contacts import GAP, LEAST, Contact, found, runs, slowness
 from ..feet.legs import Leg, feet_of, legs, tracks
+from ..feet.skate import skate
 from ..kinematics import world
 from ..motion import Motion
 from ._body import carried
@@ -115,18 +116,52 @@ class Feet:
             return tuple(self.contacts), self.source
         return self._mapped(base, frames), self.source.cut(slice(start, start + len(frames))) if whole else None
 
+    def repeated(self, long: Motion, shown: np.ndarray) -> Feet:
+        """The same of a motion that shows frames (G,) of the clip, again and again. A foot that stands where one time
+        ends and where the next begins, stands through."""
+        if self.source is None:
+            return self
+        joints = sorted({contact.joint for contact in self.contacts})
+        spans = []
+        for joint in joints:
+            stands = np.zeros(len(shown), bool)
+            for contact in self.contacts:
+                if contact.joint == joint:
+                    stands |= (shown >= contact.first) & (shown <= contact.last)
+            for first, end in runs(~stands):
+                stands[first:end] = first > 0 and end < len(stands) and (end - first) * long.frame_time < GAP
+            lasting = [span for span in runs(stands).tolist() if (span[1] - span[0]) * long.frame_time >= LEAST]
+            spans += [(joint, first, end - 1) for first, end in lasting]
+        listed = self._at(long, spans)
+        if not listed:
+            return Feet(why="no foot stands anywhere in the cycle")
+        return Feet(self.legs, listed, source_of(long, listed, self.legs))
+
+    def leaning(self, steps: Steps, made: Motion, frames: np.ndarray, carry: np.ndarray, pitch: np.ndarray) -> Steps:
+        """The numbers of a motion that shows frames (F,) of the clip and has leaned (F, 1) after its feet were held."""
+        balls, touched = {made.skeleton.names[leg.ball] for leg in self.legs}, _touched(carry, pitch)
+        listed = [c for c in self.shown(made, frames)[0] if c.joint in balls and touched[c.first : c.last + 1].any()]
+        found = skate(made, listed, self.legs)
+        return replace(steps, speed=found.speed if found else 0.0)
+
     def _mapped(self, base: Motion, frames: np.ndarray) -> tuple[Contact, ...]:
+        spans = []
+        for contact in self.contacts:
+            inside = np.flatnonzero((frames >= contact.first) & (frames <= contact.last))
+            if len(inside) > 1:
+                spans.append((contact.joint, int(inside[0]), int(inside[-1])))
+        return self._at(base, spans)
+
+    def _at(self, base: Motion, spans: Sequence[tuple[str, int, int]]) -> tuple[Contact, ...]:
+        """Contacts of joints from a first to a last frame, where these are in a base."""
         names, (balls, heels) = base.skeleton.names, tracks(base, self.legs)
         ways = {names[leg.ankle]: heel for leg, heel in zip(self.legs, heels, strict=True)}
         ways |= {names[leg.ball]: ball for leg, ball in zip(self.legs, balls, strict=True)}
         listed = []
-        for contact in self.contacts:
-            inside = np.flatnonzero((frames >= contact.first) & (frames <= contact.last))
-            if len(inside) > 1:
-                first, last = int(inside[0]), int(inside[-1])
-                x, y, z = (float(mean) for mean in ways[contact.joint][first : last + 1].mean(axis=0))
-                listed.append(Contact(contact.joint, first, last, (x, y, z)))
-        return tuple(listed)
+        for joint, first, last in spans:
+            x, y, z = (float(mean) for mean in ways[joint][first : last + 1].mean(axis=0))
+            listed.append(Contact(joint, first, last, (x, y, z)))
+        return tuple(sorted(listed, key=lambda contact: (contact.first, contact.joint)))
 
 
 def stepping(

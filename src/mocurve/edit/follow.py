@@ -1,7 +1,8 @@
 """The verb `follow`: a motion laid along another path (Gleicher 2001, Motion path editing).
 
 A motion is taken relative to its own path, to axes that stand upright, look along the path and move as the body does;
-these are put onto the other path, at the same distance from its beginning.
+these are put onto the other path, at the same distance from its beginning. Axes that keep their heading leave residuals
+absolute.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from dataclasses import replace
 from typing import Any
 
 from ..motion import Clip, Motion
-from ..path import Path
+from ..path import Path, walkable
 from ..path_edits import recognised
 from ..path_fit import lead
 from ._following import Following as Following
@@ -36,15 +37,17 @@ def follow(
     ----------
     mode
         How far along the new path a frame is. arclength: as far as it was along the clip's own path, so that the speed
-        stays. time: where the curve's parameter is the same. scaled: so that the clip fills the path, with strides 0.6
-        to 1.15 times as long, and more or less time where that is not enough. span: only where control points of the
-        clip's own path were moved is anything changed, in the same bounds.
+        stays. paced: so too, but slower in bends narrower than 2.5 m, as people go. time: where the curve's parameter
+        is the same. scaled: so that the clip fills the path, with strides 0.6 to 1.15 times as long, and more or less
+        time where that is not enough. span: only where control points of the clip's own path were moved is anything
+        changed, in the same bounds.
     at_end
-        Where one of the two is longer, for mode arclength. extend: straight on behind the path's end. truncate: the
-        clip ends with the path. stop: it comes to rest there. reset: it begins again there, as does the path. scale:
-        as mode scaled. cycle: the clearest cycle is repeated to the path's end.
+        Where one of the two is longer, for modes arclength and paced. extend: straight on behind the path's end.
+        truncate: the clip ends with the path. stop: it comes to rest there. reset: it begins again there, as does the
+        path. scale: as mode scaled. cycle: the clearest cycle is repeated to the path's end.
     heading
         tangent: the body turns as the path does. facing: so too, but where it backs up it goes back along the path.
+        kept: it is only shifted and does not turn.
     posture
         On a path with heights. upright: every foot that is held stands on the path beside it, the hips are as high as
         it is in between; without feet as lift. lift: the whole body is lifted. tangent: it also leans with the slope.
@@ -64,12 +67,12 @@ def follow(
 
     >>> tour = mc.follow(walk, mc.Path([(0, 0), (200, 80), (400, -80), (600, 0)]), at_end="cycle")
     """
-    given = path_of(path)
+    given = walkable(path_of(path))
     own = None if of is None else path_of(of)
     check(mode, at_end, heading, posture, own is not None)
     if own is None and clip.frames:
         given = recognised(given, complete(clip.sample()))
-    edit = ready(clip, given, own, lock_feet, later=at_end == "cycle")
+    edit = ready(clip, given, own, lock_feet)
     if own is not None and (mode, at_end) == ("arclength", "extend"):
         edit = taken_back(edit, given, heading, posture)
     return edit.laid(given, mode=mode, at_end=at_end, heading=heading, posture=posture)

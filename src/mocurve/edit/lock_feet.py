@@ -16,6 +16,7 @@ import numpy as np
 from ..feet.contacts import Contact, found, positive, read_contacts, slowness
 from ..feet.legs import Leg, feet_of, legs
 from ..feet.skate import skate
+from ..info import tell_up
 from ..motion import Clip, Motion
 from ._locking import held, source_of
 from ._pair import complete, recorded, tell_sampled
@@ -102,6 +103,7 @@ def lock_feet(
     motion = complete(clip.sample())
     tell_sampled([clip], "feet are locked frame by frame")
     both = legs(motion, feet)
+    tell_up(motion, "feet stand")
     slow = slowness(motion) if speed is None else speed
     listed = found(motion, both, slow, height) if contacts is None else read_contacts(contacts, motion, both)
     if contacts is None and not listed:

@@ -14,10 +14,9 @@ from typing import Any
 import numpy as np
 
 from ..errors import Mismatch, MocurveError, OptionError, UnknownName
-from ..info import z_is_up
-from ..kinematics import world
+from ..info import tell_up
 from ..motion import Clip, History, Motion
-from ..path import Fit, Path
+from ..path import Fit, Path, walkable
 from ..path_files import as_json, of_json
 from ..path_fit import fitted, gone, lead
 from ..path_length import LengthTable
@@ -28,17 +27,18 @@ from ._carry import Plan, at_frames, carried_out, laid
 from ._facing import progress
 from ._following import measured, tell
 from ._heights import Line, steep
+from ._pace import paced
 from ._pair import check_mode, complete, recorded, tell_sampled
 from ._repeat import repeated
 from ._steps import Feet, Steps, stepping
 
-MODES = ("arclength", "time", "scaled", "span")
-HEADINGS = ("tangent", "facing")
+MODES = ("arclength", "paced", "time", "scaled", "span")
+ALONG = ("arclength", "paced")  # that keep distances, so that clip and path need not end together
+HEADINGS = ("tangent", "facing", "kept")
 POSTURES = ("upright", "lift", "tangent")
-UP = 8  # frames, to see which way that is
 ROUNDS = 60  # in which the way back is looked for; walks and runs take 5 to 20
 SAME = 1e-4  # of a path's length: a fit as near is the path that was fitted, written with few digits
-NOTHING = 1e-10  # of the path's size: a frame that is moved by less stays where it is
+NOTHING = 1e-10  # of places on the paths: a frame that is moved by less stays where it is
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,17 +86,16 @@ class PathEdit:
         posture: str = "upright",
     ) -> Motion:
         """The motion laid along a path; all is as in `follow`, which has these options too."""
-        given = path_of(path)
+        given = walkable(path_of(path))
         check(mode, at_end, heading, posture, self.said)
         motion, ahead, body, course = self.motion, self.ahead, self.body, self.course
-        start, every, feet = 0, body.frames, self.feet
+        start, every, feet, goes = 0, body.frames, self.feet, None
         table = given.table()
         if at_end == "cycle" and table.length > course.table.length * (1.0 + NOTHING):
-            body, start, every = repeated(body, table.length)
-            course = course_of(body, 0, None, None)
-            start, ahead, feet = start + ahead, 0, None  # a T-pose is no part of a cycle
-        if self.lock_feet and feet is None:
-            feet = Feet.of(body)
+            cycles = repeated(body, table.length)
+            body, course, every = cycles.motion, cycles.course, cycles.frames
+            feet = feet and feet.repeated(body, cycles.shown)
+            start, ahead, goes = cycles.start + ahead, 0, cycles.goes  # a T-pose is no part of a cycle
         found, back = _found(body, course, given, table, (mode, at_end, heading))
         base = at_frames(body, found.frame)
         plan = _planned(base, course, given, table, found, back, posture)
@@ -108,7 +107,7 @@ class PathEdit:
         if ahead:
             made = _with_lead(made, motion[:ahead], Plan(*(part[:1] for part in plan)))
             rows = {name: np.concatenate([row[:1] if name != "frame" else [0], row]) for name, row in rows.items()}
-        told = measured(base, made, course, table, found, plan.by, int(cycle[-1]) + 1)
+        told = measured(base, made, self.course, table, found, plan.by, (int(cycle[-1]) + 1, goes))
         told = replace(told, feet=None if steps is None else steps.to_json())
         tell(told)
         fitted_so = self.fit is None or self.fit == (given.fit or Fit())
@@ -119,19 +118,19 @@ class PathEdit:
         return recorded(made, (*self.history, step))  # type: ignore[return-value]  # a Motion stays one
 
 
-def ready(clip: Clip, path: Path | None, of: Path | None, lock_feet: bool, later: bool = False) -> PathEdit:
-    """A clip made ready for a path, which may say how its own was fitted. later: its feet are not looked for yet."""
+def ready(clip: Clip, path: Path | None, of: Path | None, lock_feet: bool) -> PathEdit:
+    """A clip made ready for a path, which may say how its own was fitted."""
     if not isinstance(lock_feet, bool):
         raise OptionError(f"lock_feet is true or false, not {lock_feet!r}")
     tell_sampled((clip,), "a body is moved along a path frame by frame")
     motion = complete(clip.sample())
     if not motion.frames:
         raise Mismatch("a clip without frames follows no path")
-    _tell_up(motion)
+    tell_up(motion, "a path lies", 5)
     ahead = lead(motion)
     body = replace(motion[ahead:], history=motion.history) if ahead else motion  # of its last step the path is asked
     course = course_of(body, ahead, path, of)
-    feet = Feet.of(body) if lock_feet and not later else None
+    feet = Feet.of(body) if lock_feet else None
     fit = None if of is not None or _laid_last(body, ahead) else (path and path.fit) or Fit()
     return PathEdit(motion, clip.history, ahead, body, course, lock_feet, feet, of is not None, fit)
 
@@ -187,10 +186,12 @@ def check(mode: str, at_end: str, heading: str, posture: str, said: bool) -> Non
     ):
         if name not in names:
             raise UnknownName(what, name, names)
-    if mode != "arclength" and at_end != "extend":
-        raise OptionError(f"at_end {at_end} is for mode arclength: in mode {mode} clip and path end together")
-    if mode != "arclength" and heading == "facing":
-        raise OptionError(f"heading facing is for mode arclength, not {mode}")
+    if mode not in ALONG and at_end != "extend":
+        raise OptionError(
+            f"at_end {at_end} is for modes arclength and paced: in mode {mode} clip and path end together"
+        )
+    if mode not in ALONG and heading == "facing":
+        raise OptionError(f"heading facing is for modes arclength and paced, not {mode}")
     if at_end == "cycle" and said:
         raise OptionError("at_end cycle repeats the clip, which then has a path of its own: leave `of` out")
 
@@ -208,20 +209,10 @@ def course_of(body: Motion, ahead: int, path: Path | None, of: Path | None) -> C
 # -- in call order ---------------------------------------------------------------------------------
 
 
-def _tell_up(motion: Motion) -> None:
-    frames = np.unique(np.linspace(0, motion.frames - 1, UP).astype(int))
-    if z_is_up(world(replace(motion, values=motion.values[frames], report=None))):
-        warnings.warn("the body seems to stand along z: a path lies on the ground x, z, with y up", stacklevel=4)
-
-
 def _laid_last(body: Motion, ahead: int) -> Course | None:
     """The path that the last step of its history laid the body along."""
     step = body.history[-1] if body.history else {}
-    if (
-        step.get("verb") != "follow"
-        or len(step["table"]["distance"]) != body.frames + ahead
-        or step["table"]["cycle"][-1]
-    ):
+    if step.get("verb") != "follow" or len(step["table"]["distance"]) != body.frames + ahead:
         return None
     distance = np.array(step["table"]["distance"])
     if (np.diff(distance) < 0).any():
@@ -232,21 +223,24 @@ def _laid_last(body: Motion, ahead: int) -> Course | None:
 
 def _found(
     body: Motion, course: Course, path: Path, table: LengthTable, options: tuple[str, str, str]
-) -> tuple[Way, np.ndarray]:
-    """The way along the path, and which frames (G,) of it go backwards."""
+) -> tuple[Way, np.ndarray | None]:
+    """The way along the path, and which frames (G,) of it go backwards; None where the body does not turn."""
     mode, at_end, heading = options
-    if heading == "tangent":
+    if heading != "facing":
         found = way(course, path, table, mode, at_end, body.frame_time)
-        return found, np.zeros(len(found.frame), bool)
+        found = paced(found, body, course, path, table) if mode == "paced" else found
+        return found, None if heading == "kept" else np.zeros(len(found.frame), bool)
     distance, back = progress(body, course, path, table, _bearing.gate(body)[0])
     signed = replace(course, distance=distance)
     found = way(signed, path, table, mode, at_end, body.frame_time)
+    if mode == "paced":
+        found = paced(replace(found, own=course.distance[found.frame.astype(np.int64)]), body, course, path, table)
     own = distances_at(course.distance, found.frame)
     return replace(found, own=own), back[found.frame.astype(np.int64)]
 
 
 def _planned(
-    base: Motion, course: Course, path: Path, table: LengthTable, found: Way, back: np.ndarray, posture: str
+    base: Motion, course: Course, path: Path, table: LengthTable, found: Way, back: np.ndarray | None, posture: str
 ) -> Plan:
     """What is done to the root of every frame (G,); nothing to those that are kept."""
     some = np.flatnonzero(~found.kept)
@@ -256,7 +250,7 @@ def _planned(
     own, distance = found.own[some], found.distance[some]
     (old, old_heading), (new, new_heading) = course.at(found.frame[some], own), path.at(distance, table)
     turn = np.zeros(len(some))
-    if course.table.length > 0 and table.length > 0:
+    if back is not None and course.table.length > 0 and table.length > 0:
         turn = _turned(base, found, some, old_heading, new_heading + np.pi * back[some])
     by = laid(turn, old[:, [0, -1]], new[:, [0, -1]])
     rises, rose = new.shape[1] == 3, old.shape[1] == 3
@@ -264,7 +258,7 @@ def _planned(
     pitch = np.zeros(len(some))
     if posture == "tangent" and rises:
         pitch = path.slope(table.parameter(distance)) - course.path.slope(course.table.parameter(own))
-    near = NOTHING * (1.0 + max(table.length, course.table.length))
+    near = NOTHING * (1.0 + max(np.abs(old).max(), np.abs(new).max()))
     same = (np.abs(by).max(axis=1, initial=0.0) <= near) & (np.abs(lift) <= near) & (np.abs(pitch) <= NOTHING)
     about = np.stack([new[:, 0], new[:, 1] if rises else lift, new[:, -1], new_heading], axis=1)
     for whole, part in zip(plan, (by, lift[:, None], pitch[:, None], about), strict=True):
@@ -315,12 +309,17 @@ def _made(
         part = base if len(runs) == 1 else base[run]
         own = None if lines is None else (lines[0].cut(run), lines[1] and lines[1].cut(run))
         parts.append(stepping(feet, part, found.frame[run], plan.by[run], lift[run], own, ahead + run.start))
-    made = parts[0][0]
+    made, told = parts[0][0], [steps for _, steps in parts]
     if len(parts) > 1:
         made = replace(base, values=np.concatenate([part.values for part, _ in parts]), report=None)
     if lines is None:
         made = carried_out(made, plan._replace(by=np.zeros_like(plan.by)))
-    return made, Steps.of([steps for _, steps in parts])
+        if plan.pitch.any():  # a body that leans takes its feet along
+            told = [
+                steps and feet.leaning(steps, made[run], found.frame[run], plan.by[run], plan.pitch[run])
+                for steps, run in zip(told, runs, strict=True)
+            ]
+    return made, Steps.of(told)
 
 
 def _with_lead(made: Motion, first: Motion, plan: Plan) -> Motion:

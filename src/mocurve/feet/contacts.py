@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import Mismatch, OptionError, UnknownName
+from ..info import tell_up
 from ..kinematics import world
 from ..motion import Clip, Motion
 from .legs import Leg, centimetres, legs, tracks
@@ -72,7 +73,9 @@ def contacts(
     positive(speed=speed, height=height)
     motion = clip.sample()
     _complete(motion)
-    return found(motion, legs(motion, feet), slowness(motion) if speed is None else speed, height)
+    both = legs(motion, feet)
+    tell_up(motion, "feet stand")
+    return found(motion, both, slowness(motion) if speed is None else speed, height)
 
 
 def slowness(motion: Motion) -> float:
