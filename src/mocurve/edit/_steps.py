@@ -138,7 +138,7 @@ class Feet:
         return Feet(self.legs, listed, source_of(long, listed, self.legs))
 
     def leaning(self, steps: Steps, made: Motion, frames: np.ndarray, carry: np.ndarray, pitch: np.ndarray) -> Steps:
-        """The numbers of a motion that shows frames (F,) of the clip and has leaned (F, 1) after its feet were held."""
+        """The numbers of a motion that shows frames (F,) of the clip and has leaned (F,) after its feet were held."""
         balls, touched = {made.skeleton.names[leg.ball] for leg in self.legs}, _touched(carry, pitch)
         listed = [c for c in self.shown(made, frames)[0] if c.joint in balls and touched[c.first : c.last + 1].any()]
         found = skate(made, listed, self.legs)

@@ -316,7 +316,7 @@ def _made(
         made = carried_out(made, plan._replace(by=np.zeros_like(plan.by)))
         if plan.pitch.any():  # a body that leans takes its feet along
             told = [
-                steps and feet.leaning(steps, made[run], found.frame[run], plan.by[run], plan.pitch[run])
+                steps and feet.leaning(steps, made[run], found.frame[run], plan.by[run], plan.pitch[run, 0])
                 for steps, run in zip(told, runs, strict=True)
             ]
     return made, Steps.of(told)
