@@ -14,6 +14,7 @@ from ._hinge import Hinge
 
 BENDS = np.radians(6.0)  # flexion off what is wanted
 QUICKENS = np.radians(1500.0)  # a second a second, of that
+JERKS = 4.0  # times that: more is noise of a frame or two, which no hips can mend, and pulls no harder (Huber's loss)
 SIDEWAYS, UP = 2.5, 2.5  # cm of shift
 HURRIES = 300.0  # cm a second a second, of the shift
 FAST = 1e12  # weight of a shift that is to be none
@@ -41,8 +42,9 @@ def shifted(
         length = np.sqrt((to * to).sum(axis=1))
         flexion, slope = leg.hinge.bend(length)
         pull = to * (slope / length)[:, None]
-        off = flexion - leg.wanted - (pull * at).sum(axis=1)
-        _add(band, right, pull, off, leg.weight, BENDS**-2.0, (QUICKENS * frame_time**2) ** -2.0)
+        now = flexion - leg.wanted
+        off = now - (pull * at).sum(axis=1)
+        _add(band, right, pull, off, now, leg.weight, BENDS**-2.0, QUICKENS * frame_time**2)
     _solve(band, right)
     result = right[: 3 * frames].reshape(frames, 3)
     result[fixed] = 0.0
@@ -68,8 +70,9 @@ def _quiet(band, fixed, tolerances, hurries):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _add(band, right, pull, off, weight, bends, quickens):  # type: ignore[no-untyped-def]
-    """A leg's pull: the flexion off what is wanted, pull (F, 3) . shift + off, and its second difference, squared."""
+def _add(band, right, pull, off, now, weight, bends, quickens):  # type: ignore[no-untyped-def]
+    """A leg's pull: the flexion off what is wanted, pull (F, 3) . shift + off, and its second difference, squared; both
+    in their tolerances. now: (F,) what it is off where it was made linear."""
     row = np.empty(9)
     for f in range(len(off)):
         heavy = weight[f] * bends
@@ -78,7 +81,8 @@ def _add(band, right, pull, off, weight, bends, quickens):  # type: ignore[no-un
             for i in range(3 - j):
                 band[3 * f + j, i] += heavy * pull[f, j] * pull[f, j + i]
     for f in range(len(off) - 2):
-        heavy = weight[f + 1] * quickens
+        jerk = abs(now[f] - 2.0 * now[f + 1] + now[f + 2]) / quickens
+        heavy = weight[f + 1] / (quickens * quickens) * JERKS / max(jerk, JERKS)
         if heavy == 0.0:
             continue
         for j in range(3):

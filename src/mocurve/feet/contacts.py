@@ -24,6 +24,7 @@ LEAVING = 2.0  # times the speed at which a contact begins: where it ends
 FLOOR = 5.0  # percent of the frames are lower than where the search for a joint's own floor begins
 TILT, BANDS = 0.03, (3.0, 3.0, 2.0, 1.5, 1.0, 1.0)  # usual slope of a floor; heights within which it is looked for
 SMOOTH = 0.04  # seconds over which speeds are taken
+SHAKES, NOISE = 8.0, 4.0  # times the speed, and the usual one of a contact, that no foot is fast in a frame as it comes
 GAP, LEAST = 0.05, 0.1  # seconds: gaps that are closed, contacts that are too short
 HELD = 0.05  # cm/s: no captured foot is so still for the least time; one that is has been locked
 
@@ -162,12 +163,28 @@ def _standing(track: np.ndarray, frame_time: float, speed: float, height: float,
             joined[-1][1] = span[1]
         else:
             joined.append(span)
+    joined = [_settled(track, span, frame_time, speed) for span in joined]
     return [
         (first, end - 1)
         for span in joined
         for first, end in (_held(track, span, frame_time) if held else [span])
         if (end - first) * frame_time >= LEAST
     ]
+
+
+def _settled(track: np.ndarray, span: list[int], frame_time: float, speed: float) -> list[int]:
+    """The part of a span that begins after the point has come to rest and ends before it leaves: one that shakes goes
+    nowhere on the mean, but does not stand. A clip that shakes throughout has no better part."""
+    first, end = span
+    near = round(LEAST / frame_time)
+    steps = np.linalg.norm(np.diff(track[first:end], axis=0), axis=1) / frame_time
+    shakes = steps > max(SHAKES * speed, NOISE * float(np.median(steps)) if len(steps) else 0.0)
+    early, late = np.flatnonzero(shakes[:near]), np.flatnonzero(shakes[-near:][::-1])
+    if len(early):
+        first += int(early[-1]) + 1
+    if len(late):
+        end -= int(late[-1]) + 1
+    return [first, max(end, first)]
 
 
 def _floor(track: np.ndarray, slow: np.ndarray, height: float) -> np.ndarray:
