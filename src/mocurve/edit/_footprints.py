@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .. import planar
+from .. import planar, rotation
 from ._hinge import Hinge
 from ._stances import GROUND, Stances
 from ._swings import filled
@@ -25,25 +25,29 @@ BENDS = np.radians(6.0)  # flexion that is as bad
 @dataclass(frozen=True, eq=False)
 class Prints:
     """The footprints of a leg: transforms (N, 3), angle, x, z, that take each stance of the source to where it is now;
-    by how much (N,), cm, it is lifted; and how far (N,), cm, the carries are from there, which is how far they may
-    move."""
+    by how much (N,), cm, it is lifted; how far (N,), cm, the carries are from there, which is how far they may move; and
+    the rotation vectors (N, 2), about x and z, that lay soles along a slope, None on level ground."""
 
     taken: np.ndarray
     lift: np.ndarray
     uneven: np.ndarray
+    tilt: np.ndarray | None = None
 
     def cut(self, some: slice) -> Prints:
         """Some of the stances."""
-        return Prints(self.taken[some], self.lift[some], self.uneven[some])
+        tilt = None if self.tilt is None else self.tilt[some]
+        return Prints(self.taken[some], self.lift[some], self.uneven[some], tilt)
 
 
 @dataclass(frozen=True, eq=False)
 class Targets:
-    """Where a leg is to be: ball and ankle (F, 3), cm, and by how much the foot is turned, (F,) radians."""
+    """Where a leg is to be: ball and ankle (F, 3), cm, by how much the foot is turned, (F,) radians, and by which
+    rotation (F, 4) it is then laid along a slope, None on level ground."""
 
     ball: np.ndarray
     ankle: np.ndarray
     yaw: np.ndarray
+    tilt: np.ndarray | None = None
 
 
 def prints(stances: Stances, carry: np.ndarray) -> Prints:
@@ -64,10 +68,16 @@ def prints(stances: Stances, carry: np.ndarray) -> Prints:
 
 
 def targets(
-    stances: Stances, prints: Prints, carry: np.ndarray, pinned: np.ndarray, offset: np.ndarray, frame_time: float
+    stances: Stances,
+    prints: Prints,
+    carry: np.ndarray,
+    pinned: np.ndarray,
+    offset: np.ndarray,
+    flat: np.ndarray,
+    frame_time: float,
 ) -> Targets:
     """Where the foot is to be in every frame. pinned: (F, 3) the ball held still in the source (`Stances.pinned`);
-    offset: (F, 3) from ball to ankle there.
+    offset: (F, 3) from ball to ankle there; flat: (F,) which part of a slope's tilt the foot takes on.
 
     Over the ground, places are complex numbers z + i x, which a turn by an angle multiplies by exp(i angle).
     """
@@ -83,14 +93,34 @@ def targets(
     away = filled(away, stances.spans, frame_time)
     there, yaw = turn * (place + away[:, 1] + 1j * away[:, 0]) + shift, carry[:, 0] + away[:, 2]
     there[inside], yaw[inside] = stands, taken[:, 0]  # not by way of the body: a foot that stands is still
-    ankle = there + np.exp(1j * yaw) * _ground(offset)
+    up, rise, tilt = np.exp(1j * yaw) * _ground(offset), offset[:, 1], None
     height = pinned[:, 1] + carry[:, 3] + away[:, 3]
     height[inside] = pinned[inside, 1] + lift
+    if prints.tilt is not None:
+        tilt = _tilted(stances, prints.tilt, flat, frame_time)
+        up, rise = _leant(tilt, up, rise)
+    ankle = there + up
     return Targets(
         np.column_stack([there.imag, height, there.real]),
-        np.column_stack([ankle.imag, height + offset[:, 1], ankle.real]),
+        np.column_stack([ankle.imag, height + rise, ankle.real]),
         yaw,
+        tilt,
     )
+
+
+def _tilted(stances: Stances, tilt: np.ndarray, flat: np.ndarray, frame_time: float) -> np.ndarray:
+    """The rotations (F, 4) of feet that are laid along a slope in their stances (N, 2)."""
+    vectors = np.zeros((len(flat), 2))
+    inside = stances.of >= 0
+    vectors[inside] = tilt[stances.of[inside]]
+    vectors = flat[:, None] * filled(vectors, stances.spans, frame_time)
+    return rotation.exp(np.stack([vectors[:, 0], 0.0 * flat, vectors[:, 1]], axis=1))
+
+
+def _leant(tilt: np.ndarray, along: np.ndarray, up: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """What lies along the ground (F,) and up (F,), rotated (F, 4)."""
+    made = rotation.rotate(tilt, np.stack([along.imag, up, along.real], axis=1))
+    return _ground(made), made[:, 1]
 
 
 def _ground(places: np.ndarray) -> np.ndarray:

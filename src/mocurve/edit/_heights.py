@@ -21,12 +21,15 @@ from ..path_length import LengthTable
 from ._footprints import Prints, Targets
 from ._hinge import STRAIGHT
 from ._pelvis import Legs
+from ._poses import smooth
 from ._stances import Stances
 
 STEEPEST = np.radians(45.0)  # nobody stands on what is steeper
 BESIDE = 12  # steps towards the place of a path that a foot is beside
 MERGED = 0.2  # of the body's mean way between two stances: nearer ones count as one
 LOWER, LOWERS = 5.0, 0.25  # cm that hips are lower on a slope at most; seconds around
+LIFTED = np.radians(35.0)  # of a sole: its foot pushes off, whatever the slope
+LEVEL = 1e-6  # radians: what slopes less does not
 NOTHING = 1e-9  # of the path's size: lifts that are as small are none
 
 
@@ -41,6 +44,11 @@ class Line:
     def cut(self, span: slice) -> Line:
         """Some of the frames."""
         return replace(self, distance=self.distance[span])
+
+    def tilts(self, at: np.ndarray) -> np.ndarray:
+        """Rotation vectors (N, 2), about x and z, that lay what is level along the path so far along it, (N,)."""
+        slope, heading = self.path.slope(self.table.parameter(at)), self.path.at(at, self.table)[1]
+        return slope[:, None] * np.stack([-np.cos(heading), np.sin(heading)], axis=1)
 
     def beside(self, frames: np.ndarray, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """How far along the path and how high it is beside places (N, 3) at frames (N,)."""
@@ -67,10 +75,18 @@ class Rise:
         """Some of the frames."""
         return Rise(self.body[span], self.new.cut(span), self.own and self.own.cut(span))
 
-    def at(self, frames: np.ndarray, places: np.ndarray, there: np.ndarray) -> np.ndarray:
-        """By how much (N,) feet are lifted that stand at places (N, 3) in the clip, and `there` now, at frames (N,)."""
-        own = 0.0 if self.own is None else self.own.beside(frames, places)[1]
-        return self.new.beside(frames, there)[1] - own
+    def at(
+        self, frames: np.ndarray, places: np.ndarray, there: np.ndarray, turn: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """By how much (N,) feet are lifted that stand at places (N, 3) in the clip, and `there` now, turned by (N,), at
+        frames (N,); and by which rotation vectors (N, 2), about x and z, they are laid along the slope."""
+        at, height = self.new.beside(frames, there)
+        tilt = self.new.tilts(at)
+        if self.own is None:
+            return height, tilt
+        own_at, own_height = self.own.beside(frames, places)
+        before = planar.move(np.stack([turn, 0.0 * turn, 0.0 * turn], axis=1), _upright(self.own.tilts(own_at)))
+        return height - own_height, tilt - before[:, [0, 2]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,11 +107,25 @@ class Ground:
         if self.rise is None or not len(stances.spans):
             return prints
         there = planar.move(prints.taken, stances.places)
-        lift = self.scale * self.rise.at(stances.middles, stances.places / self.scale, there / self.scale)
+        own, there, turn = stances.places / self.scale, there / self.scale, prints.taken[:, 0]
+        lift, tilt = self.rise.at(stances.middles, own, there, turn)
+        lift *= self.scale
         inside = stances.of >= 0
-        off, uneven = np.abs(self.carry[inside, 3] - lift[stances.of[inside]]), prints.uneven.copy()
+        off = np.abs(self.carry[inside, 3] - lift[stances.of[inside]])
+        uneven = np.maximum(prints.uneven, 10.0 * np.abs(tilt).max(axis=1))  # a foot is 10 cm either way
         np.maximum.at(uneven, stances.of[inside], off)
-        return replace(prints, lift=lift, uneven=uneven)
+        return replace(prints, lift=lift, tilt=tilt if np.abs(tilt).max() > LEVEL else None, uneven=uneven)
+
+    def moved(self, aim: Targets, pinned: np.ndarray, offset: np.ndarray) -> np.ndarray:
+        """By how much (F, 3), as the body sees it, a slope moves the ankle of a foot: up, and because the foot is laid
+        along it. pinned: (F, 3) its ball in the source, offset: (F, 3) from there to the ankle."""
+        found = np.zeros_like(offset)
+        found[:, 1] = aim.ball[:, 1] - pinned[:, 1] - self.carry[:, 3]
+        if aim.tilt is not None:
+            turn = np.zeros((len(offset), 3))
+            turn[:, 0] = -aim.yaw
+            found += planar.move(turn, aim.ankle - aim.ball) - offset
+        return found
 
     def takes(self, legs: Sequence[Legs], aims: Sequence[Targets], moves: np.ndarray) -> np.ndarray:
         """How far (F,), cm, a slope itself takes the hips down, up to LOWER: until a leg that is all but straight
@@ -128,10 +158,17 @@ def rise(carry: np.ndarray, contacts: Sequence[Contact], new: Line, own: Line | 
     found = Rise(body, new, own)
     apart = np.zeros(len(carry), bool)
     if len(frames):
-        for contact, lift in zip(contacts, found.at(frames, places, there).tolist(), strict=True):
+        for contact, lift in zip(contacts, found.at(frames, places, there, 0.0 * body[frames])[0].tolist(), strict=True):
             span = slice(contact.first, contact.last + 1)
             apart[span] |= np.abs(body[span] - lift) > least
     return found, apart
+
+
+def flat(ball: np.ndarray, heel: np.ndarray) -> np.ndarray:
+    """Which part (F,) of a slope's tilt a foot takes on: all while its sole is down or its toes are up, less and less
+    as the heel is lifted: who pushes off uphill stretches the ankle instead. ball, heel: (F, 3)."""
+    rise = np.arcsin(np.clip((heel - ball)[:, 1] / np.maximum(np.linalg.norm(heel - ball, axis=1), 1e-9), -1.0, 1.0))
+    return 1.0 - smooth(np.clip(rise / LIFTED, 0.0, 1.0))
 
 
 def steep(line: Line) -> bool:
@@ -140,6 +177,11 @@ def steep(line: Line) -> bool:
 
 
 # -- in call order ---------------------------------------------------------------------------------
+
+
+def _upright(flat: np.ndarray) -> np.ndarray:
+    """Vectors (N, 3) over the ground."""
+    return np.stack([flat[:, 0], 0.0 * flat[:, 0], flat[:, 1]], axis=1)
 
 
 def _between(line: Line, frames: np.ndarray, places: np.ndarray) -> np.ndarray:

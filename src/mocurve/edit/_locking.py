@@ -22,7 +22,7 @@ from ..motion import Motion
 from ._body import bearer, carried, set_anew
 from ._clearance import cleared
 from ._footprints import Prints, Targets, prints, relieved, targets
-from ._heights import Ground, Rise
+from ._heights import Ground, Rise, flat
 from ._hinge import Hinge, hinge_of, reached
 from ._pelvis import UP, Legs, shifted
 from ._reach import Strain
@@ -35,21 +35,22 @@ ROUNDS, MOVING = 3, 2  # solutions of the pelvis, and after how many of them foo
 @dataclass(frozen=True, eq=False)
 class Side:
     """What is known of one leg in the source: its joints, its bones and bends, where it stands; where its heel is, and
-    from ball to ankle (F, 3), cm; how the world sees the axes (F, 4) of what carries the hip, and of what carries the
-    ankle."""
+    from ball to ankle (F, 3), cm; which part of a slope's tilt the foot takes on, (F,); how the world sees the axes
+    (F, 4) of what carries the hip, and of what carries the ankle."""
 
     leg: Leg
     hinge: Hinge
     stances: Stances
     heel: np.ndarray
     offset: np.ndarray
+    flat: np.ndarray
     above: np.ndarray
     shank: np.ndarray
 
     def cut(self, span: slice) -> tuple[Side, slice]:
         """Some of the frames, and which stances are in them."""
         stances, kept = self.stances.cut(span)
-        parts = (part[span] for part in (self.heel, self.offset, self.above, self.shank))
+        parts = (part[span] for part in (self.heel, self.offset, self.flat, self.above, self.shank))
         return Side(self.leg, self.hinge.cut(span), stances, *parts), kept
 
 
@@ -161,7 +162,7 @@ def _side(motion: Motion, leg: Leg, listed: Sequence[Contact], places: np.ndarra
     ball = places[:, leg.ball]
     heel = hinge.ankle + rotation.rotate(hinge.foot, scale * leg.heel)
     stood = _stood(motion, leg, ball, heel, listed, scale)
-    return Side(leg, hinge, stood, heel, hinge.ankle - ball, turned[:, 0], turned[:, 4])
+    return Side(leg, hinge, stood, heel, hinge.ankle - ball, flat(ball, heel), turned[:, 0], turned[:, 4])
 
 
 def _stood(
@@ -239,8 +240,8 @@ def _pull(side: Side, aim: Targets, pinned: np.ndarray, changed: np.ndarray, gro
     """How a leg with these changed stances (F,) pulls at the body that is carried."""
     hip = planar.move(ground.carry, side.hinge.hip)
     hip[:, 1] += ground.carry[:, 3]
-    higher = aim.ball[:, 1] - pinned[:, 1] - ground.carry[:, 3]  # than the body, as a slope has it
-    bends = wanted(side.hinge, near(changed, ground.frame_time, FAR), higher if ground.rise is not None else None)
+    moved = None if ground.rise is None else ground.moved(aim, pinned, side.offset)
+    bends = wanted(side.hinge, near(changed, ground.frame_time, FAR), moved)
     return Legs(side.hinge, hip, bends, side.stances.minded)
 
 
@@ -249,7 +250,7 @@ def _aims(
 ) -> list[Targets]:
     carry, frame_time = ground.carry, ground.frame_time
     aims = [
-        targets(side.stances, mark, carry, ball, side.offset, frame_time)
+        targets(side.stances, mark, carry, ball, side.offset, side.flat, frame_time)
         for side, mark, ball in zip(sides, marks, pinned, strict=True)
     ]
     before = [Targets(side.hinge.ankle - side.offset, side.hinge.ankle, carry[:, 0]) for side in sides]
@@ -287,6 +288,7 @@ def _legs_set(
         turns[leg.knee] = rotation.mul(knee, rotation.mul(rotation.inv(hinge.knee), hinge.shin))
         shin = rotation.mul(whole, rotation.mul(hinge.knee, bent))
         foot = rotation.mul(planar.quaternion(yaw[:, None]), hinge.foot)
+        foot = foot if aim.tilt is None else rotation.mul(aim.tilt[within], foot)
         turns[leg.ankle] = rotation.mul(rotation.inv(rotation.mul(shin, side.shank[within])), foot)
     return {joint: turned[some] for joint, turned in turns.items()}, short
 

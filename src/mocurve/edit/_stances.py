@@ -136,14 +136,14 @@ def stances(
     return Stances(spans, of, places, placed, changed, ball, error, exact, minded)
 
 
-def wanted(hinge: Hinge, weight: np.ndarray, higher: np.ndarray | None = None) -> np.ndarray:
+def wanted(hinge: Hinge, weight: np.ndarray, moved: np.ndarray | None = None) -> np.ndarray:
     """Flexion (F,) of the knee that is aimed at: the source's, near stances that change never quite straight, where a
-    little of the leg's length would cost much of the knee's turn. higher: (F,) cm by which the foot is nearer to the
-    hip, on a slope: so much more the knee bends."""
+    little of the leg's length would cost much of the knee's turn. moved: (F, 3) cm by which the ankle is elsewhere, on
+    a slope: so much more or less the knee bends."""
     flexion, floor_at = hinge.flexion, np.full(len(weight), FLOOR)
-    if higher is not None:
-        to = hinge.hip - hinge.ankle
-        to[:, 1] -= higher
+    if moved is not None:
+        to = hinge.hip - hinge.ankle - moved
+        higher = moved[:, 1]
         least = np.minimum(hinge.flexion, FLOOR)  # lower than straight no leg reaches: the hips do
         there = hinge.bend(np.linalg.norm(to, axis=1))[0] - hinge.bend(hinge.length(flexion))[0]
         flexion = np.maximum(flexion + there, least)
