@@ -12,22 +12,22 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d
+from scipy.ndimage import maximum_filter1d, uniform_filter1d
 
 from .. import hermite, planar
 from ..feet.contacts import Contact
 from ..path import Path
 from ..path_length import LengthTable
 from ._footprints import Prints, Targets
-from ._hinge import STRAIGHT
-from ._pelvis import Legs
+from ._hinge import STRAIGHT, Hinge
 from ._poses import smooth
 from ._stances import Stances
 
 STEEPEST = np.radians(45.0)  # nobody stands on what is steeper
 BESIDE = 12  # steps towards the place of a path that a foot is beside
 MERGED = 0.2  # of the body's mean way between two stances: nearer ones count as one
-LOWER, LOWERS = 5.0, 0.25  # cm that hips are lower on a slope at most; seconds around
+LOWER, LOWERS = 8.0, 0.25  # cm that hips are lower on a slope at most; seconds around
+BENT = np.radians(15.0)  # flexion that a leg keeps that reaches down, if it has as much in the source
 LIFTED = np.radians(35.0)  # of a sole: its foot pushes off, whatever the slope
 LEVEL = 1e-6  # radians: what slopes less does not
 NOTHING = 1e-9  # of the path's size: lifts that are as small are none
@@ -116,32 +116,40 @@ class Ground:
         np.maximum.at(uneven, stances.of[inside], off)
         return replace(prints, lift=lift, tilt=tilt if np.abs(tilt).max() > LEVEL else None, uneven=uneven)
 
-    def moved(self, aim: Targets, pinned: np.ndarray, offset: np.ndarray) -> np.ndarray:
-        """By how much (F, 3), as the body sees it, a slope moves the ankle of a foot: up, and because the foot is laid
-        along it. pinned: (F, 3) its ball in the source, offset: (F, 3) from there to the ankle."""
+    def moved(self, aim: Targets, pinned: np.ndarray, offset: np.ndarray, sinks: np.ndarray) -> np.ndarray:
+        """By how much (F, 3), as the body sees it, a slope moves the ankle of a foot: up, also because the body sinks, and
+        because the foot is laid along it. pinned: (F, 3) its ball in the source, offset: (F, 3) from there to the ankle."""
         found = np.zeros_like(offset)
-        found[:, 1] = aim.ball[:, 1] - pinned[:, 1] - self.carry[:, 3]
+        found[:, 1] = aim.ball[:, 1] - pinned[:, 1] - self.carry[:, 3] + sinks
         if aim.tilt is not None:
             turn = np.zeros((len(offset), 3))
             turn[:, 0] = -aim.yaw
             found += planar.move(turn, aim.ankle - aim.ball) - offset
         return found
 
-    def takes(self, legs: Sequence[Legs], aims: Sequence[Targets], moves: np.ndarray) -> np.ndarray:
-        """How far (F,), cm, a slope itself takes the hips down, up to LOWER: until a leg that is all but straight
-        reaches down to its foot, wherever a foot stands anew (`moves`, (2, F)), and for a while around. On level ground
-        nothing."""
+    def sinks(self, legs: Sequence[tuple[Hinge, np.ndarray]], moves: np.ndarray) -> np.ndarray:
+        """How far (F,), cm, a slope takes the hips down, up to LOWER: as far as a leg that is all but straight must reach
+        down to its foot wherever one stands anew (`moves`, (2, F)), and for a while around. On level ground nothing.
+        legs: each with where its ankle is to be, (F, 3)."""
         need = np.zeros(len(self.carry))
         if not np.ptp(self.carry[:, 3]) > NOTHING:
             return need
-        for leg, aim, stands in zip(legs, aims, moves, strict=True):
-            to = leg.hip - aim.ankle
-            most = leg.hinge.length(np.maximum(leg.wanted, STRAIGHT))
+        for (hinge, ankle), stands in zip(legs, moves, strict=True):
+            to = self.taken(hinge.hip) - ankle
+            most = hinge.length(np.clip(hinge.flexion, STRAIGHT, BENT))
             over = to[:, 1] - np.sqrt(np.maximum(most**2 - to[:, 0] ** 2 - to[:, 2] ** 2, 0.0))
             need = np.maximum(need, np.where(stands, over, 0.0))
-        wide = 2 * max(1, round(LOWERS / self.frame_time)) + 1
-        found: np.ndarray = maximum_filter1d(np.clip(need, 0.0, LOWER), wide, mode="nearest")
+        half = max(1, round(LOWERS / self.frame_time))
+        found: np.ndarray = maximum_filter1d(np.clip(need, 0.0, LOWER), 2 * half + 1, mode="nearest")
+        for _ in range(3):
+            found = uniform_filter1d(found, 2 * (half // 3) + 1, mode="nearest")
         return found
+
+    def taken(self, places: np.ndarray) -> np.ndarray:
+        """Places (F, 3) of the body in the source, where they are carried."""
+        there = planar.move(self.carry, places)
+        there[:, 1] += self.carry[:, 3]
+        return there
 
 
 def rise(carry: np.ndarray, contacts: Sequence[Contact], new: Line, own: Line | None) -> tuple[Rise, np.ndarray]:

@@ -24,7 +24,7 @@ from ._clearance import cleared
 from ._footprints import Prints, Targets, prints, relieved, targets
 from ._heights import Ground, Rise, flat
 from ._hinge import Hinge, hinge_of, reached
-from ._pelvis import UP, Legs, shifted
+from ._pelvis import Legs, shifted
 from ._reach import Strain
 from ._stances import FAR, STILL, Stances, near, stances, wanted
 from ._swings import REACH
@@ -141,13 +141,13 @@ def held(
     marks = [mark.cut(kept) for mark, (_, kept) in zip(marks, parts, strict=True)]
     even = bool(np.abs(np.diff(carry, axis=0)).max(initial=0.0) < 1e-9)
     carry, moves, active, free = carry[window], moves[:, window], active[window], free[window]
-    shift, aims, pulls, takes = _solved(sides, marks, moves, ground.cut(window), ~free)
+    shift, aims, pulls, sinks = _solved(sides, marks, moves, ground.cut(window), ~free)
     turns, short = _legs_set(sides, pulls, aims, shift, carry, active)
     lead += window.start
-    made = set_anew(made, source.bearer, shift[active] / source.scale, turns, lead + np.flatnonzero(active))
+    all_shift = (shift - sinks[:, None] * [0.0, 1.0, 0.0])[active] / source.scale
+    made = set_anew(made, source.bearer, all_shift, turns, lead + np.flatnonzero(active))
     places = source.scale * world(made[lead : lead + len(carry)])
     tracks = _taken(sides, aims, places, shift, carry[:, 0], moves, short)
-    tracks["drop"] = tracks["drop"] - takes
     return made, Strain.of(*counts, tracks, even, base.frame_time).later(lead)
 
 
@@ -216,31 +216,32 @@ def _context(sides: Sequence[Side], active: np.ndarray) -> slice:
 def _solved(
     sides: Sequence[Side], marks: Sequence[Prints], moves: np.ndarray, ground: Ground, fixed: np.ndarray
 ) -> tuple[np.ndarray, list[Targets], list[Legs], np.ndarray]:
-    """The shift of the pelvis (F, 3), cm, where the feet are to be, how the legs pull, and how far (F,) a slope takes
-    the hips down. moves: (2, F) frames in which a foot stands anew."""
+    """The shift of the pelvis (F, 3), cm, where the feet are to be, how the legs pull, and how far (F,) a slope has taken
+    the hips down before. moves: (2, F) frames in which a foot stands anew."""
     marks, shift = list(marks), np.zeros((len(fixed), 3))
     pinned = [side.stances.pinned(ground.frame_time) for side in sides]
     aims = _aims(sides, marks, pinned, ground)
-    pulls = [_pull(*part, ground) for part in zip(sides, aims, pinned, moves, strict=True)]
-    takes = ground.takes(pulls, aims, moves)
-    up = UP + takes.max(initial=0.0)
+    sinks = ground.sinks([(side.hinge, aim.ankle) for side, aim in zip(sides, aims, strict=True)], moves)
+    pulls = [_pull(*part, ground, sinks) for part in zip(sides, aims, pinned, moves, strict=True)]
     for turn in range(ROUNDS):
         pairs = [(pull, aim.ankle) for pull, aim in zip(pulls, aims, strict=True)]
-        shift = shifted(pairs, shift, fixed, ground.frame_time, up)
+        shift = shifted(pairs, shift, fixed, ground.frame_time)
         if turn < MOVING:
             marks = [
                 ground.raised(relieved(mark, s.stances, s.hinge, pull.hip + shift, aim.ankle, pull.wanted), s.stances)
                 for mark, s, aim, pull in zip(marks, sides, aims, pulls, strict=True)
             ]
             aims = _aims(sides, marks, pinned, ground)
-    return shift, aims, pulls, takes
+    return shift, aims, pulls, sinks
 
 
-def _pull(side: Side, aim: Targets, pinned: np.ndarray, changed: np.ndarray, ground: Ground) -> Legs:
+def _pull(
+    side: Side, aim: Targets, pinned: np.ndarray, changed: np.ndarray, ground: Ground, sinks: np.ndarray
+) -> Legs:
     """How a leg with these changed stances (F,) pulls at the body that is carried."""
-    hip = planar.move(ground.carry, side.hinge.hip)
-    hip[:, 1] += ground.carry[:, 3]
-    moved = None if ground.rise is None else ground.moved(aim, pinned, side.offset)
+    hip = ground.taken(side.hinge.hip)
+    hip[:, 1] -= sinks
+    moved = None if ground.rise is None else ground.moved(aim, pinned, side.offset, sinks)
     bends = wanted(side.hinge, near(changed, ground.frame_time, FAR), moved)
     return Legs(side.hinge, hip, bends, side.stances.minded)
 
