@@ -23,10 +23,7 @@ STILL = 0.01  # cm and cm/s: a ball that moves less while it stands is held alre
 DIE = 0.08  # seconds within which speeds of the source's sliding die out of a swing
 NEAR, FAR = 0.10, 0.35  # seconds from a contact: the leg reaches exactly; the pelvis minds the knee
 FLOOR, ROUND = np.radians(7.0), np.radians(3.0)  # flexion of the knee that is wanted at least, and how softly
-SLOPES, STEP = (
-    np.radians(10.0),
-    3.0,
-)  # so much more where the foot is so many cm higher or lower, or further, than the body
+SOFT, FAR_OFF = np.radians(12.0), 1.0  # how much softer on slopes, and cm that one moves a foot by until it is all of that
 SWING = 0.1  # seconds: the shortest swing that a heel contact leaves
 GROUND = [0, 2]
 
@@ -140,15 +137,15 @@ def wanted(hinge: Hinge, weight: np.ndarray, moved: np.ndarray | None = None) ->
     """Flexion (F,) of the knee that is aimed at: the source's, near stances that change never quite straight, where a
     little of the leg's length would cost much of the knee's turn. moved: (F, 3) cm by which the ankle is elsewhere, on
     a slope: so much more or less the knee bends."""
-    flexion, floor_at = hinge.flexion, np.full(len(weight), FLOOR)
+    flexion, steep = hinge.flexion, np.zeros(len(weight))
     if moved is not None:
         to = hinge.hip - hinge.ankle - moved
-        higher = moved[:, 1]
-        least = np.minimum(hinge.flexion, FLOOR)  # lower than straight no leg reaches: the hips do
-        there = hinge.bend(np.linalg.norm(to, axis=1))[0] - hinge.bend(hinge.length(flexion))[0]
-        flexion = np.maximum(flexion + there, least)
-        floor_at = FLOOR + SLOPES * np.minimum(np.abs(higher) / STEP, 1.0)
-    floor = floor_at + ROUND * np.logaddexp(0.0, (flexion - floor_at) / ROUND)
+        away = (moved * moved).sum(axis=1)
+        steep = away / (away + FAR_OFF**2)
+        flexion = flexion + hinge.bend(np.linalg.norm(to, axis=1))[0] - hinge.bend(hinge.length(flexion))[0]
+        weight = np.maximum(weight, np.tanh(away))  # lower than straight no leg reaches: the hips do
+    wide = ROUND + (SOFT - ROUND) * steep
+    floor = FLOOR + wide * np.logaddexp(0.0, (flexion - FLOOR) / wide)
     return flexion + weight * (floor - flexion)
 
 
