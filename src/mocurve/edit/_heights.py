@@ -12,7 +12,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d, uniform_filter1d
 
 from .. import hermite, planar
 from ..feet.contacts import Contact
@@ -20,13 +19,14 @@ from ..path import Path
 from ..path_length import LengthTable
 from ._footprints import Prints, Targets
 from ._hinge import STRAIGHT, Hinge
+from ._pelvis import around, lacking
 from ._poses import smooth
 from ._stances import FAR, Stances, near
 
 STEEPEST = np.radians(45.0)  # nobody stands on what is steeper
 BESIDE = 12  # steps towards the place of a path that a foot is beside
 MERGED = 0.2  # of the body's mean way between two stances: nearer ones count as one
-LOWER, LOWERS = 8.0, 0.25  # cm that hips are lower on a slope at most; seconds around
+LOWER, LOWERS = 12.0, 0.3  # cm that hips are lower on a slope at most; seconds around
 BENT = np.radians(20.0)  # flexion that a leg keeps that reaches down, if it has as much in the source
 LIFTED = np.radians(35.0)  # of a sole: its foot pushes off, whatever the slope
 LEVEL = 1e-6  # radians: what slopes less does not
@@ -136,14 +136,9 @@ class Ground:
             return need
         for (hinge, ankle), stands in zip(legs, moves, strict=True):
             to = self.taken(hinge.hip) - ankle
-            most = hinge.length(np.clip(hinge.flexion, STRAIGHT, BENT))
-            over = to[:, 1] - np.sqrt(np.maximum(most**2 - to[:, 0] ** 2 - to[:, 2] ** 2, 0.0))
+            over = lacking(to, hinge.length(np.clip(hinge.flexion, STRAIGHT, BENT)))
             need = np.maximum(need, near(stands, self.frame_time, FAR) * over)
-        half = max(1, round(LOWERS / self.frame_time))
-        found: np.ndarray = maximum_filter1d(np.clip(need, 0.0, LOWER), 2 * half + 1, mode="nearest")
-        for _ in range(3):
-            found = uniform_filter1d(found, 2 * (half // 3) + 1, mode="nearest")
-        return found
+        return around(np.minimum(need, LOWER), round(LOWERS / self.frame_time))
 
     def taken(self, places: np.ndarray) -> np.ndarray:
         """Places (F, 3) of the body in the source, where they are carried."""

@@ -24,7 +24,7 @@ from ._clearance import cleared
 from ._footprints import Prints, Targets, prints, relieved, targets
 from ._heights import Ground, Rise, flat
 from ._hinge import Hinge, hinge_of, reached
-from ._pelvis import Legs, shifted
+from ._pelvis import Legs, reaching, shifted
 from ._reach import Strain
 from ._stances import FAR, STILL, Stances, near, stances, wanted
 from ._swings import REACH
@@ -232,7 +232,8 @@ def _solved(
                 for mark, s, aim, pull in zip(marks, sides, aims, pulls, strict=True)
             ]
             aims = _aims(sides, marks, pinned, ground)
-    return shift, aims, pulls, sinks
+    pairs = [(pull, aim.ankle) for pull, aim in zip(pulls, aims, strict=True)]
+    return reaching(pairs, shift, moves, ground.frame_time), aims, pulls, sinks
 
 
 def _pull(

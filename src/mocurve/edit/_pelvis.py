@@ -8,6 +8,7 @@ knee as it depends on the shift is made linear a few times (Gauss and Newton).
 from __future__ import annotations
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d, uniform_filter1d
 
 from .._jit import kernel
 from ._hinge import Hinge
@@ -17,6 +18,7 @@ QUICKENS = np.radians(1500.0)  # a second a second, of that
 JERKS = 4.0  # times that: more is noise of a frame or two, which no hips can mend, and pulls no harder (Huber's loss)
 SIDEWAYS, UP = 2.5, 2.5  # cm of shift
 HURRIES = 300.0  # cm a second a second, of the shift
+GENTLY = 0.15  # seconds around a foot out of reach in which the body is lower
 FAST = 1e12  # weight of a shift that is to be none
 BAND = 9
 
@@ -49,6 +51,37 @@ def shifted(
     result = right[: 3 * frames].reshape(frames, 3)
     result[fixed] = 0.0
     return result
+
+
+def reaching(
+    legs: list[tuple[Legs, np.ndarray]], at: np.ndarray, stands: np.ndarray, frame_time: float
+) -> np.ndarray:
+    """The shift with the body as much lower as a leg would be too short else where it stands, (2, F): what is left by
+    least squares, millimetres."""
+    straight = np.zeros(len(at))
+    over = [lacking(leg.hip + at - target, leg.hinge.length(straight)) for leg, target in legs]
+    need = np.where(stands, over, 0.0).max(axis=0)
+    if not (need > 0.0).any():
+        return at
+    lower = at.copy()
+    lower[:, 1] -= around(need, round(GENTLY / frame_time))
+    return lower
+
+
+def lacking(to: np.ndarray, length: np.ndarray) -> np.ndarray:
+    """By how much (F,) a hip, at `to` (F, 3) from its ankle, is too high for a leg of this length (F,); below zero where
+    it is not."""
+    lack: np.ndarray = to[:, 1] - np.sqrt(np.maximum(length**2 - to[:, 0] ** 2 - to[:, 2] ** 2, 0.0))
+    return lack
+
+
+def around(need: np.ndarray, half: int) -> np.ndarray:
+    """The least smooth values (F,) that are not below any need nor zero, zero twice so many frames away."""
+    third = max(half // 3, 1)
+    found: np.ndarray = maximum_filter1d(np.maximum(need, 0.0), 6 * third + 1, mode="nearest")
+    for _ in range(3):
+        found = uniform_filter1d(found, 2 * third + 1, mode="nearest")
+    return found
 
 
 # -- in call order ---------------------------------------------------------------------------------
