@@ -25,8 +25,8 @@ BENDS = np.radians(6.0)  # flexion that is as bad
 @dataclass(frozen=True, eq=False)
 class Prints:
     """The footprints of a leg: transforms (N, 3), angle, x, z, that take each stance of the source to where it is now;
-    by how much (N,), cm, it is lifted; how far (N,), cm, the carries are from there, which is how far they may move; and
-    the rotation vectors (N, 2), about x and z, that lay soles along a slope, None on level ground."""
+    by how much (N,), cm, it is lifted; how far (N,), cm, the carries are from there, which is how far they may move;
+    and the rotation vectors (N, 2), about x and z, that lay soles along a slope, None on level ground."""
 
     taken: np.ndarray
     lift: np.ndarray

@@ -28,7 +28,8 @@ BESIDE = 12  # steps towards the place of a path that a foot is beside
 MERGED = 0.2  # of the body's mean way between two stances: nearer ones count as one
 LOWER, LOWERS = 12.0, 0.3  # cm that hips are lower on a slope at most; seconds around
 BENT = np.radians(20.0)  # flexion that a leg keeps that reaches down, if it has as much in the source
-LIFTED = np.radians(35.0)  # of a sole: its foot pushes off, whatever the slope
+SHARE = 1.5  # times what a slope moves a foot by: hips sink no more for it
+LIFTED = np.radians(50.0)  # of a sole: its foot pushes off, whatever the slope
 LEVEL = 1e-6  # radians: what slopes less does not
 NOTHING = 1e-9  # of the path's size: lifts that are as small are none
 
@@ -116,28 +117,31 @@ class Ground:
         np.maximum.at(uneven, stances.of[inside], off)
         return replace(prints, lift=lift, tilt=tilt if np.abs(tilt).max() > LEVEL else None, uneven=uneven)
 
-    def moved(self, aim: Targets, pinned: np.ndarray, offset: np.ndarray, sinks: np.ndarray) -> np.ndarray:
-        """By how much (F, 3), as the body sees it, a slope moves the ankle of a foot: up, also because the body sinks, and
-        because the foot is laid along it. pinned: (F, 3) its ball in the source, offset: (F, 3) from there to the ankle."""
+    def moved(self, aim: Targets, pinned: np.ndarray, offset: np.ndarray) -> np.ndarray | None:
+        """By how much (F, 3), as the body sees it, a slope moves the ankle of a foot: up, and because the foot is laid
+        along it; None where the path has no heights. pinned: (F, 3) its ball in the source, offset: (F, 3) from there
+        to the ankle."""
+        if self.rise is None:
+            return None
         found = np.zeros_like(offset)
-        found[:, 1] = aim.ball[:, 1] - pinned[:, 1] - self.carry[:, 3] + sinks
+        found[:, 1] = aim.ball[:, 1] - pinned[:, 1] - self.carry[:, 3]
         if aim.tilt is not None:
             turn = np.zeros((len(offset), 3))
             turn[:, 0] = -aim.yaw
             found += planar.move(turn, aim.ankle - aim.ball) - offset
         return found
 
-    def sinks(self, legs: Sequence[tuple[Hinge, np.ndarray]], moves: np.ndarray) -> np.ndarray:
-        """How far (F,), cm, a slope takes the hips down, up to LOWER: as far as a leg that is all but straight must reach
-        down to its foot wherever one stands anew (`moves`, (2, F)), and for a while around. On level ground nothing.
-        legs: each with where its ankle is to be, (F, 3)."""
+    def sinks(self, legs: Sequence[tuple[Hinge, np.ndarray, np.ndarray | None]], stands: np.ndarray) -> np.ndarray:
+        """How far (F,), cm, a slope takes the hips down, up to LOWER: as far as a leg that is all but straight must
+        reach down to its foot wherever one stands anew (`stands`, (2, F)) and shortly before and after, smooth around.
+        legs: each with where its ankle is to be, (F, 3), and by how much that is `moved`."""
         need = np.zeros(len(self.carry))
-        if not np.ptp(self.carry[:, 3]) > NOTHING:
-            return need
-        for (hinge, ankle), stands in zip(legs, moves, strict=True):
-            to = self.taken(hinge.hip) - ankle
-            over = lacking(to, hinge.length(np.clip(hinge.flexion, STRAIGHT, BENT)))
-            need = np.maximum(need, near(stands, self.frame_time, FAR) * over)
+        for (hinge, ankle, moved), there in zip(legs, stands, strict=True):
+            if moved is None:
+                return need
+            over = lacking(self.taken(hinge.hip) - ankle, hinge.length(np.clip(hinge.flexion, STRAIGHT, BENT)))
+            over = np.minimum(over, SHARE * np.abs(moved[:, 1]))  # not what long steps ask for on level ground too
+            need = np.maximum(need, np.sqrt(near(there, self.frame_time, FAR)) * over)
         return around(np.minimum(need, LOWER), round(LOWERS / self.frame_time))
 
     def taken(self, places: np.ndarray) -> np.ndarray:
@@ -161,7 +165,9 @@ def rise(carry: np.ndarray, contacts: Sequence[Contact], new: Line, own: Line | 
     found = Rise(body, new, own)
     apart = np.zeros(len(carry), bool)
     if len(frames):
-        for contact, lift in zip(contacts, found.at(frames, places, there, 0.0 * body[frames])[0].tolist(), strict=True):
+        for contact, lift in zip(
+            contacts, found.at(frames, places, there, 0.0 * body[frames])[0].tolist(), strict=True
+        ):
             span = slice(contact.first, contact.last + 1)
             apart[span] |= np.abs(body[span] - lift) > least
     return found, apart

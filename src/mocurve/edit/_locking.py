@@ -22,9 +22,9 @@ from ..motion import Motion
 from ._body import bearer, carried, set_anew
 from ._clearance import cleared
 from ._footprints import Prints, Targets, prints, relieved, targets
-from ._heights import Ground, Rise, flat
+from ._heights import LOWERS, Ground, Rise, flat
 from ._hinge import Hinge, hinge_of, reached
-from ._pelvis import Legs, reaching, shifted
+from ._pelvis import Legs, shifted, short
 from ._reach import Strain
 from ._stances import FAR, STILL, Stances, near, stances, wanted
 from ._swings import REACH
@@ -216,13 +216,16 @@ def _context(sides: Sequence[Side], active: np.ndarray) -> slice:
 def _solved(
     sides: Sequence[Side], marks: Sequence[Prints], moves: np.ndarray, ground: Ground, fixed: np.ndarray
 ) -> tuple[np.ndarray, list[Targets], list[Legs], np.ndarray]:
-    """The shift of the pelvis (F, 3), cm, where the feet are to be, how the legs pull, and how far (F,) a slope has taken
-    the hips down before. moves: (2, F) frames in which a foot stands anew."""
+    """The shift of the pelvis (F, 3), cm, where the feet are to be, how the legs pull, and how far (F,) a slope has
+    taken the hips down before. moves: (2, F) frames in which a foot stands anew."""
     marks, shift = list(marks), np.zeros((len(fixed), 3))
     pinned = [side.stances.pinned(ground.frame_time) for side in sides]
     aims = _aims(sides, marks, pinned, ground)
-    sinks = ground.sinks([(side.hinge, aim.ankle) for side, aim in zip(sides, aims, strict=True)], moves)
-    pulls = [_pull(*part, ground, sinks) for part in zip(sides, aims, pinned, moves, strict=True)]
+    inner = 1.0 - near(fixed, ground.frame_time, LOWERS)
+    moved = [ground.moved(aim, ball, side.offset) for side, aim, ball in zip(sides, aims, pinned, strict=True)]
+    legs = [(side.hinge, aim.ankle, away) for side, aim, away in zip(sides, aims, moved, strict=True)]
+    sinks = inner * ground.sinks(legs, moves)
+    pulls = [_pull(*part, ground, sinks) for part in zip(sides, moved, moves, strict=True)]
     for turn in range(ROUNDS):
         pairs = [(pull, aim.ankle) for pull, aim in zip(pulls, aims, strict=True)]
         shift = shifted(pairs, shift, fixed, ground.frame_time)
@@ -233,16 +236,17 @@ def _solved(
             ]
             aims = _aims(sides, marks, pinned, ground)
     pairs = [(pull, aim.ankle) for pull, aim in zip(pulls, aims, strict=True)]
-    return reaching(pairs, shift, moves, ground.frame_time), aims, pulls, sinks
+    shift[:, 1] -= inner * short(pairs, shift, moves, ground.frame_time)
+    return shift, aims, pulls, sinks
 
 
-def _pull(
-    side: Side, aim: Targets, pinned: np.ndarray, changed: np.ndarray, ground: Ground, sinks: np.ndarray
-) -> Legs:
-    """How a leg with these changed stances (F,) pulls at the body that is carried."""
+def _pull(side: Side, moved: np.ndarray | None, changed: np.ndarray, ground: Ground, sinks: np.ndarray) -> Legs:
+    """How a leg with these changed stances (F,) pulls at the body that is carried, and sinks (F,). moved: (F, 3) by how
+    much a slope moves its ankle, None where it is level."""
     hip = ground.taken(side.hinge.hip)
     hip[:, 1] -= sinks
-    moved = None if ground.rise is None else ground.moved(aim, pinned, side.offset, sinks)
+    if moved is not None:
+        moved = moved + sinks[:, None] * [0.0, 1.0, 0.0]
     bends = wanted(side.hinge, near(changed, ground.frame_time, FAR), moved)
     return Legs(side.hinge, hip, bends, side.stances.minded)
 

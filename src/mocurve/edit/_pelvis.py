@@ -53,24 +53,18 @@ def shifted(
     return result
 
 
-def reaching(
-    legs: list[tuple[Legs, np.ndarray]], at: np.ndarray, stands: np.ndarray, frame_time: float
-) -> np.ndarray:
-    """The shift with the body as much lower as a leg would be too short else where it stands, (2, F): what is left by
-    least squares, millimetres."""
+def short(legs: list[tuple[Legs, np.ndarray]], at: np.ndarray, stands: np.ndarray, frame_time: float) -> np.ndarray:
+    """How much lower (F,) the body with the shift `at` has to be so that no leg is too short where it stands, (2, F):
+    what least squares leave, millimetres."""
     straight = np.zeros(len(at))
     over = [lacking(leg.hip + at - target, leg.hinge.length(straight)) for leg, target in legs]
     need = np.where(stands, over, 0.0).max(axis=0)
-    if not (need > 0.0).any():
-        return at
-    lower = at.copy()
-    lower[:, 1] -= around(need, round(GENTLY / frame_time))
-    return lower
+    return around(need, round(GENTLY / frame_time)) if (need > 0.0).any() else straight
 
 
 def lacking(to: np.ndarray, length: np.ndarray) -> np.ndarray:
-    """By how much (F,) a hip, at `to` (F, 3) from its ankle, is too high for a leg of this length (F,); below zero where
-    it is not."""
+    """By how much (F,) a hip, at `to` (F, 3) from its ankle, is too high for a leg of this length (F,); below zero
+    where it is not."""
     lack: np.ndarray = to[:, 1] - np.sqrt(np.maximum(length**2 - to[:, 0] ** 2 - to[:, 2] ** 2, 0.0))
     return lack
 

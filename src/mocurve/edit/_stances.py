@@ -23,7 +23,7 @@ STILL = 0.01  # cm and cm/s: a ball that moves less while it stands is held alre
 DIE = 0.08  # seconds within which speeds of the source's sliding die out of a swing
 NEAR, FAR = 0.10, 0.35  # seconds from a contact: the leg reaches exactly; the pelvis minds the knee
 FLOOR, ROUND = np.radians(7.0), np.radians(3.0)  # flexion of the knee that is wanted at least, and how softly
-SOFT, FAR_OFF = np.radians(12.0), 1.0  # how much softer on slopes, and cm that one moves a foot by until it is all of that
+SOFT, STEEP = np.radians(12.0), 1.0  # how softly on slopes, and half so at so many cm that one moves the foot by
 SWING = 0.1  # seconds: the shortest swing that a heel contact leaves
 GROUND = [0, 2]
 
@@ -141,7 +141,7 @@ def wanted(hinge: Hinge, weight: np.ndarray, moved: np.ndarray | None = None) ->
     if moved is not None:
         to = hinge.hip - hinge.ankle - moved
         away = (moved * moved).sum(axis=1)
-        steep = away / (away + FAR_OFF**2)
+        steep = away / (away + STEEP**2)
         flexion = flexion + hinge.bend(np.linalg.norm(to, axis=1))[0] - hinge.bend(hinge.length(flexion))[0]
         weight = np.maximum(weight, np.tanh(away))  # lower than straight no leg reaches: the hips do
     wide = ROUND + (SOFT - ROUND) * steep
