@@ -26,17 +26,19 @@ BENDS = np.radians(6.0)  # flexion that is as bad
 class Prints:
     """The footprints of a leg: transforms (N, 3), angle, x, z, that take each stance of the source to where it is now;
     by how much (N,), cm, it is lifted; how far (N,), cm, the carries are from there, which is how far they may move;
-    and the rotation vectors (N, 2), about x and z, that lay soles along a slope, None on level ground."""
+    and the rotation vectors (N, 2), about x and z, that lay soles along a slope, None on level ground. below: (N, 3)
+    what is under them in the source, as `_heights` has it, once it is known."""
 
     taken: np.ndarray
     lift: np.ndarray
     uneven: np.ndarray
     tilt: np.ndarray | None = None
+    below: np.ndarray | None = None
 
     def cut(self, some: slice) -> Prints:
         """Some of the stances."""
-        tilt = None if self.tilt is None else self.tilt[some]
-        return Prints(self.taken[some], self.lift[some], self.uneven[some], tilt)
+        tilt, below = (None if part is None else part[some] for part in (self.tilt, self.below))
+        return Prints(self.taken[some], self.lift[some], self.uneven[some], tilt, below)
 
 
 @dataclass(frozen=True, eq=False)

@@ -24,7 +24,7 @@ from ._poses import smooth
 from ._stances import FAR, Stances, near
 
 STEEPEST = np.radians(45.0)  # nobody stands on what is steeper
-BESIDE = 12  # steps towards the place of a path that a foot is beside
+BESIDE, BESIDES = 12, 1e-10  # steps towards the place of a path that a foot is beside, until they are as small
 MERGED = 0.2  # of the body's mean way between two stances: nearer ones count as one
 LOWER, LOWERS = 12.0, 0.3  # cm that hips are lower on a slope at most; seconds around
 BENT = np.radians(20.0)  # flexion that a leg keeps that reaches down, if it has as much in the source
@@ -60,6 +60,8 @@ class Line:
             ahead = (places[:, 0] - there[:, 0]) * np.sin(heading) + (places[:, 2] - there[:, 2]) * np.cos(heading)
             step = ahead / np.cos(self.path.slope(self.table.parameter(at)))
             at = at + np.clip(step, -room, room)
+            if np.abs(step).max(initial=0.0) <= BESIDES * room:
+                break
         return at, self.path.at(at, self.table)[0][:, 1]
 
 
@@ -76,18 +78,22 @@ class Rise:
         """Some of the frames."""
         return Rise(self.body[span], self.new.cut(span), self.own and self.own.cut(span))
 
-    def at(
-        self, frames: np.ndarray, places: np.ndarray, there: np.ndarray, turn: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """By how much (N,) feet are lifted that stand at places (N, 3) in the clip, and `there` now, turned by (N,), at
-        frames (N,); and by which rotation vectors (N, 2), about x and z, they are laid along the slope."""
-        at, height = self.new.beside(frames, there)
-        tilt = self.new.tilts(at)
+    def below(self, frames: np.ndarray, places: np.ndarray) -> np.ndarray:
+        """How high (N, 3), 0, and how the clip's own path slopes, as `Line.tilts`, 1 and 2, below places (N, 3)."""
         if self.own is None:
-            return height, tilt
-        own_at, own_height = self.own.beside(frames, places)
-        before = planar.move(np.stack([turn, 0.0 * turn, 0.0 * turn], axis=1), _upright(self.own.tilts(own_at)))
-        return height - own_height, tilt - before[:, [0, 2]]
+            return np.zeros((len(frames), 3))
+        at, height = self.own.beside(frames, places)
+        return np.column_stack([height, self.own.tilts(at)])
+
+    def at(
+        self, frames: np.ndarray, there: np.ndarray, turn: np.ndarray, below: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """By how much (N,) feet are lifted that stand `there` (N, 3), turned by (N,), at frames (N,); and by which
+        rotation vectors (N, 2), about x and z, they are laid along the slope. below: of their places in the clip."""
+        at, height = self.new.beside(frames, there)
+        cosine, sine = np.cos(turn), np.sin(turn)
+        own = np.column_stack([cosine * below[:, 1] + sine * below[:, 2], cosine * below[:, 2] - sine * below[:, 1]])
+        return height - below[:, 0], self.new.tilts(at) - own
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,14 +114,16 @@ class Ground:
         if self.rise is None or not len(stances.spans):
             return prints
         there = planar.move(prints.taken, stances.places)
-        own, there, turn = stances.places / self.scale, there / self.scale, prints.taken[:, 0]
-        lift, tilt = self.rise.at(stances.middles, own, there, turn)
+        frames, below = stances.middles, prints.below
+        below = self.rise.below(frames, stances.places / self.scale) if below is None else below
+        lift, tilt = self.rise.at(frames, there / self.scale, prints.taken[:, 0], below)
         lift *= self.scale
         inside = stances.of >= 0
         off = np.abs(self.carry[inside, 3] - lift[stances.of[inside]])
         uneven = np.maximum(prints.uneven, 10.0 * np.abs(tilt).max(axis=1))  # a foot is 10 cm either way
         np.maximum.at(uneven, stances.of[inside], off)
-        return replace(prints, lift=lift, tilt=tilt if np.abs(tilt).max() > LEVEL else None, uneven=uneven)
+        laid = tilt if np.abs(tilt).max() > LEVEL else None
+        return replace(prints, lift=lift, tilt=laid, uneven=uneven, below=below)
 
     def moved(self, aim: Targets, pinned: np.ndarray, offset: np.ndarray) -> np.ndarray | None:
         """By how much (F, 3), as the body sees it, a slope moves the ankle of a foot: up, and because the foot is laid
@@ -165,9 +173,8 @@ def rise(carry: np.ndarray, contacts: Sequence[Contact], new: Line, own: Line | 
     found = Rise(body, new, own)
     apart = np.zeros(len(carry), bool)
     if len(frames):
-        for contact, lift in zip(
-            contacts, found.at(frames, places, there, 0.0 * body[frames])[0].tolist(), strict=True
-        ):
+        lifts, _ = found.at(frames, there, 0.0 * body[frames], found.below(frames, places))
+        for contact, lift in zip(contacts, lifts.tolist(), strict=True):
             span = slice(contact.first, contact.last + 1)
             apart[span] |= np.abs(body[span] - lift) > least
     return found, apart
@@ -186,11 +193,6 @@ def steep(line: Line) -> bool:
 
 
 # -- in call order ---------------------------------------------------------------------------------
-
-
-def _upright(flat: np.ndarray) -> np.ndarray:
-    """Vectors (N, 3) over the ground."""
-    return np.stack([flat[:, 0], 0.0 * flat[:, 0], flat[:, 1]], axis=1)
 
 
 def _between(line: Line, frames: np.ndarray, places: np.ndarray) -> np.ndarray:
