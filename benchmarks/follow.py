@@ -9,10 +9,10 @@ to be. What follows is the worst of the five paths: the largest step and second 
 how fast the balls of the feet slide in contact in the clip and carried (cm/s); then held, the contacts let go, and how
 far the hips go down for it (cm), the worst of four paths, and on the slalom, whose bends have a radius of 17 cm.
 Slopes: how far balls in contact are from the slope at most, beside their height over the floor of the clip, each foot
-on it and the body lifted (cm); how far heels are; how fast balls slide (cm/s), contacts let go, how far the hips sink
-below the slope, more than it asks, and go aside (cm), and the knees' angular acceleration, largest and 99th percentile,
-times the clip's. Times are medians of processor times of a clip made ready once; they hold the edit and
-the places of all joints at the frames that changed.
+on it and the body lifted (cm); how far heels are; how fast balls slide (cm/s), contacts let go, how far the hips go
+down and aside for it, and down because the slope asks for it (cm), and the knees' angular acceleration, largest and
+99th percentile, times the clip's. Times are medians of processor times of a clip made ready once; they hold the edit
+and the places of all joints at the frames that changed.
 """
 
 from __future__ import annotations
@@ -176,7 +176,7 @@ def jumps(places: np.ndarray) -> np.ndarray:
 
 def slopes() -> None:
     """A walk or run on straight ramps: each foot on them, and lifted as a whole."""
-    told = ("off", "lifted", "heels", "lifted", "slide", "let go", "drop", "aside", "knee", "p99")
+    told = ("off", "lifted", "heels", "lifted", "slide", "let go", "drop", "aside", "sunk", "knee", "p99")
     heads = "".join(f"{head:>9}" for head in told)
     print(f"\n{'slopes, cm':20}{heads}")
     for name in CLIPS[:5]:
@@ -189,7 +189,9 @@ def slopes() -> None:
             away = [over(part, motion, both, slope) for part in (made, lifted)]
             feet = made.history[-1]["measured"]["feet"]
             told = f"{away[0][0]:9.3f}{away[1][0]:9.2f}{away[0][1]:9.2f}{away[1][1]:9.2f}"
-            told += f"{feet['speed']:9.2f}{feet['released']:9}{feet['drop']:9.2f}{feet['shift']:9.2f}"
+            told += (
+                f"{feet['speed']:9.2f}{feet['released']:9}{feet['drop']:9.2f}{feet['shift']:9.2f}{feet['sunk']:9.2f}"
+            )
             told += "".join(f"{part:9.2f}" for part in knees(made, both) / calm)
             print(f"{name:10}{100 * slope:8.0f} %{told}", flush=True)
 

@@ -148,7 +148,8 @@ def held(
     made = set_anew(made, source.bearer, all_shift, turns, lead + np.flatnonzero(active))
     places = source.scale * world(made[lead : lead + len(carry)])
     tracks = _taken(sides, aims, places, shift, carry[:, 0], moves, short)
-    return made, Strain.of(*counts, tracks, even, base.frame_time).later(lead)
+    strain = Strain.of(*counts, tracks, even, base.frame_time).later(lead)
+    return made, replace(strain, sunk=float(sinks.max(initial=0.0)))
 
 
 # -- in call order ---------------------------------------------------------------------------------

@@ -56,7 +56,7 @@ class Strain:
     stances: how many. changed: how many of them were not held as they are.
     drop:  how far the body sinks. shift: how far it goes over the ground. twist: how far it is turned against a
     standing foot, more than in the source. miss: how far a standing ball is from its place. short: how far a swinging
-    ankle is from where it was meant to be.
+    ankle is from where it was meant to be. sunk: how far a slope takes the body down besides, which is no strain.
     """
 
     stances: int
@@ -67,6 +67,7 @@ class Strain:
     miss: float
     short: float
     problems: tuple[Problem, ...] = ()
+    sunk: float = 0.0
 
     @classmethod
     def none(cls, stances: int) -> Strain:

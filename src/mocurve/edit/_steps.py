@@ -37,7 +37,8 @@ class Steps:
     frame, and stride: how many times as long the steps may be. stride: that for all of the clip; None where no other
     length helps, or none is needed.
     speed_own, speed_slid, speed: how fast balls slide in contact: in the clip, carried along the path, and held.
-    drop, shift: how far the hips go down and aside for it at most.
+    drop, shift: how far the hips go down and aside for it at most. sunk: how far they go down on a slope besides,
+    because a leg must reach down.
     """
 
     contacts: int
@@ -49,12 +50,15 @@ class Steps:
     shift: float
     stride: float | None = None
     asked: Sequence[dict[str, Any]] = field(default_factory=list)
+    sunk: float = 0.0
 
     def __str__(self) -> str:
         gone = f"; {self.released} let go" if self.released else ""
+        slope = f", on slopes by {self.sunk:.2g} cm besides," if self.sunk else ""
         return (
             f"feet in {self.contacts} contacts{gone} slide {self.speed:.2f} cm/s, else {self.speed_slid:.2f} (in the "
-            f"clip {self.speed_own:.2f}); the hips go down by up to {self.drop:.2g} cm and aside by {self.shift:.2g}"
+            f"clip {self.speed_own:.2f}); "
+            f"the hips go down by up to {self.drop:.2g} cm{slope} and aside by {self.shift:.2g}"
         )
 
     @classmethod
@@ -76,6 +80,7 @@ class Steps:
             shift=max(part.shift for part in some),
             stride=min((part.stride for part in some if part.stride is not None), default=None),
             asked=[problem for part in some for problem in part.asked],
+            sunk=max(part.sunk for part in some),
         )
 
     def to_json(self) -> dict[str, Any]:
@@ -183,9 +188,8 @@ def stepping(
     later = first + span.start
     asked = tuple(replace(p, first=p.first + later, last=p.last + later) for p in asked)
     strides = [problem.stride for problem in asked if problem.stride is not None]
-    steps = Steps(
-        len(met), len(gone), own, slid, now, strain.drop, strain.shift, min(strides, default=None), _told(asked)
-    )
+    took = strain.drop, strain.shift, min(strides, default=None), _told(asked), strain.sunk
+    steps = Steps(len(met), len(gone), own, slid, now, *took)
     if asked:
         _tell(asked, steps, base.frame_time)
     return replace(base, values=values, report=None), steps
