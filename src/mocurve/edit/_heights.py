@@ -3,7 +3,8 @@ path is between the feet.
 
 A body that is lifted frame by frame keeps all of itself level, so that on a slope the foot in front sinks in and the
 one behind floats. Here a stance is lifted by the height of the path at its own place; the body by the heights at all
-stances, interpolated along the path, so that neither stairs nor bumps between two steps shake the hips.
+stances, interpolated along the path, so that neither stairs nor bumps between two steps shake the hips. Soles are laid
+along the slope; hips sink, by a smooth amount that is known before anything is solved, as far as a leg must reach down.
 """
 
 from __future__ import annotations

@@ -24,7 +24,7 @@ from ._clearance import cleared
 from ._footprints import Prints, Targets, prints, relieved, targets
 from ._heights import LOWERS, Ground, Rise, flat
 from ._hinge import Hinge, hinge_of, reached
-from ._pelvis import Legs, shifted, short
+from ._pelvis import Legs, beyond_reach, shifted
 from ._reach import Strain
 from ._stances import FAR, STILL, Stances, near, stances, wanted
 from ._swings import REACH
@@ -237,7 +237,7 @@ def _solved(
             ]
             aims = _aims(sides, marks, pinned, ground)
     pairs = [(pull, aim.ankle) for pull, aim in zip(pulls, aims, strict=True)]
-    shift[:, 1] -= inner * short(pairs, shift, moves, ground.frame_time)
+    shift[:, 1] -= inner * beyond_reach(pairs, shift, moves, ground.frame_time)
     return shift, aims, pulls, sinks
 
 

@@ -8,7 +8,7 @@ knee as it depends on the shift is made linear a few times (Gauss and Newton).
 from __future__ import annotations
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d, uniform_filter1d
+from scipy.ndimage import maximum_filter1d
 
 from .._jit import kernel
 from ._hinge import Hinge
@@ -30,14 +30,12 @@ class Legs:
         self.hinge, self.hip, self.wanted, self.weight = hinge, hip, wanted, weight
 
 
-def shifted(
-    legs: list[tuple[Legs, np.ndarray]], at: np.ndarray, fixed: np.ndarray, frame_time: float, up: float = UP
-) -> np.ndarray:
+def shifted(legs: list[tuple[Legs, np.ndarray]], at: np.ndarray, fixed: np.ndarray, frame_time: float) -> np.ndarray:
     """The best shift (F, 3), the knees linear about the shift `at`. legs: each with its ankle targets (F, 3). Where
-    `fixed` (F,) the shift is none. up: its tolerance in height, cm."""
+    `fixed` (F,) the shift is none."""
     frames = len(at)
     band, right = np.zeros((3 * frames + BAND - 1, BAND)), np.zeros(3 * frames + BAND - 1)
-    tolerances = np.array([SIDEWAYS, up, SIDEWAYS]) ** -2.0
+    tolerances = np.array([SIDEWAYS, UP, SIDEWAYS]) ** -2.0
     _quiet(band, fixed, tolerances, (HURRIES * frame_time**2) ** -2.0)
     for leg, target in legs:
         to = leg.hip + at - target
@@ -53,7 +51,9 @@ def shifted(
     return result
 
 
-def short(legs: list[tuple[Legs, np.ndarray]], at: np.ndarray, stands: np.ndarray, frame_time: float) -> np.ndarray:
+def beyond_reach(
+    legs: list[tuple[Legs, np.ndarray]], at: np.ndarray, stands: np.ndarray, frame_time: float
+) -> np.ndarray:
     """How much lower (F,) the body with the shift `at` has to be so that no leg is too short where it stands, (2, F):
     what least squares leave, millimetres."""
     straight = np.zeros(len(at))
@@ -72,10 +72,10 @@ def lacking(to: np.ndarray, length: np.ndarray) -> np.ndarray:
 def around(need: np.ndarray, half: int) -> np.ndarray:
     """The least smooth values (F,) that are not below any need nor zero, zero twice so many frames away."""
     third = max(half // 3, 1)
-    found: np.ndarray = maximum_filter1d(np.maximum(need, 0.0), 6 * third + 1, mode="nearest")
-    for _ in range(3):
-        found = uniform_filter1d(found, 2 * third + 1, mode="nearest")
-    return found
+    highest = maximum_filter1d(np.maximum(need, 0.0), 6 * third + 1, mode="nearest")
+    box = np.full(2 * third + 1, 1.0 / (2 * third + 1))
+    bell = np.convolve(np.convolve(box, box), box)
+    return np.convolve(np.pad(highest, 3 * third, mode="edge"), bell, mode="valid")
 
 
 # -- in call order ---------------------------------------------------------------------------------
