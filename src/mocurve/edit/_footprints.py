@@ -14,6 +14,7 @@ import numpy as np
 
 from .. import planar
 from ._hinge import Hinge
+from ._pivots import Pivots
 from ._stances import GROUND, Stances
 from ._swings import filled
 
@@ -25,16 +26,18 @@ BENDS = np.radians(6.0)  # flexion that is as bad
 @dataclass(frozen=True, eq=False)
 class Prints:
     """The footprints of a leg: transforms (N, 3), angle, x, z, that take each stance of the source to where it is now;
-    by how much (N,), cm, it is lifted; and how far (N,), cm, the carries are from there, which is how far they may
-    move."""
+    by how much (N,), cm, it is lifted; how far (N,), cm, the carries are from there, which is how far they may move;
+    and how feet turn on the spot there."""
 
     taken: np.ndarray
     lift: np.ndarray
     uneven: np.ndarray
+    pivots: Pivots | None = None
 
-    def cut(self, some: slice) -> Prints:
-        """Some of the stances."""
-        return Prints(self.taken[some], self.lift[some], self.uneven[some])
+    def cut(self, some: slice, span: slice) -> Prints:
+        """Some of the stances, in some of the frames."""
+        turns = self.pivots and self.pivots.cut(span, some)
+        return Prints(self.taken[some], self.lift[some], self.uneven[some], turns)
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,13 +79,18 @@ def targets(
     away = np.zeros((len(pinned), 4))
     taken = prints.taken[stances.of[inside]]
     stands = np.exp(1j * taken[:, 0]) * place[inside] + taken[:, 2] + 1j * taken[:, 1]
+    yaws = taken[:, 0]
+    if prints.pivots is not None and prints.pivots.whole.any():
+        more, about = prints.pivots.angle[inside], _ground(stances.places[stances.of[inside]])
+        stands = stands + np.exp(1j * yaws) * (np.exp(1j * more) - 1.0) * (place[inside] - about)
+        yaws = yaws + more
     off = np.conj(turn[inside]) * (stands - shift[inside]) - place[inside]
-    away[inside, 0], away[inside, 1], away[inside, 2] = off.imag, off.real, taken[:, 0] - carry[inside, 0]
+    away[inside, 0], away[inside, 1], away[inside, 2] = off.imag, off.real, yaws - carry[inside, 0]
     lift = prints.lift[stances.of[inside]]
     away[inside, 3] = lift - carry[inside, 3]
     away = filled(away, stances.spans, frame_time)
     there, yaw = turn * (place + away[:, 1] + 1j * away[:, 0]) + shift, carry[:, 0] + away[:, 2]
-    there[inside], yaw[inside] = stands, taken[:, 0]  # not by way of the body: a foot that stands is still
+    there[inside], yaw[inside] = stands, yaws  # not by way of the body: a foot that stands is still
     ankle = there + np.exp(1j * yaw) * _ground(offset)
     height = pinned[:, 1] + carry[:, 3] + away[:, 3]
     height[inside] = pinned[inside, 1] + lift

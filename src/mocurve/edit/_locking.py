@@ -24,7 +24,9 @@ from ._clearance import cleared
 from ._footprints import Prints, Targets, prints, relieved, targets
 from ._heights import Ground, Rise
 from ._hinge import Hinge, hinge_of, reached
+from ._joints import Joints, joints_of
 from ._pelvis import UP, Legs, shifted
+from ._pivots import pivots
 from ._reach import Strain
 from ._stances import FAR, STILL, Stances, near, stances, wanted
 from ._swings import REACH
@@ -36,7 +38,7 @@ ROUNDS, MOVING = 3, 2  # solutions of the pelvis, and after how many of them foo
 class Side:
     """What is known of one leg in the source: its joints, its bones and bends, where it stands; where its heel is, and
     from ball to ankle (F, 3), cm; how the world sees the axes (F, 4) of what carries the hip, and of what carries the
-    ankle."""
+    ankle; what hip and ankle can do."""
 
     leg: Leg
     hinge: Hinge
@@ -45,12 +47,13 @@ class Side:
     offset: np.ndarray
     above: np.ndarray
     shank: np.ndarray
+    joints: Joints
 
     def cut(self, span: slice) -> tuple[Side, slice]:
         """Some of the frames, and which stances are in them."""
         stances, kept = self.stances.cut(span)
         parts = (part[span] for part in (self.heel, self.offset, self.above, self.shank))
-        return Side(self.leg, self.hinge.cut(span), stances, *parts), kept
+        return Side(self.leg, self.hinge.cut(span), stances, *parts, self.joints.cut(span)), kept
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +101,7 @@ def source_of(base: Motion, listed: Sequence[Contact], legs: Sequence[Leg]) -> S
     motion, scale = base[lead:], centimetres(base)
     inner = [replace(c, first=max(c.first - lead, 0), last=c.last - lead) for c in listed if c.last >= lead]
     places = scale * world(motion)
-    sides = tuple(_side(motion, leg, inner, places, scale) for leg in legs)
+    sides = tuple(_side(motion, pair, inner, places, scale) for pair in zip(legs, legs[::-1], strict=True))
     return Source(base, lead, scale, bearer(base.skeleton, _common(base, legs)), sides)
 
 
@@ -128,6 +131,10 @@ def held(
     if touched is not None:
         sides = tuple(replace(side, stances=side.stances.mending(touched[lead:])) for side in sides)
     marks = [ground.raised(prints(side.stances, carry), side.stances) for side in sides]
+    marks = [
+        replace(mark, pivots=pivots(side.stances, mark.taken[:, 0], carry[:, 0], side.joints, base.frame_time))
+        for mark, side in zip(marks, sides, strict=True)
+    ]
     changed = [side.stances.changed | (mark.uneven > STILL) for side, mark in zip(sides, marks, strict=True)]
     counts = sum(map(len, changed)), int(sum(map(np.sum, changed)))
     if not counts[1]:
@@ -137,31 +144,34 @@ def held(
     window = _context(sides, active)
     parts = [side.cut(window) for side in sides]
     sides = tuple(side for side, _ in parts)
-    marks = [mark.cut(kept) for mark, (_, kept) in zip(marks, parts, strict=True)]
+    marks = [mark.cut(kept, window) for mark, (_, kept) in zip(marks, parts, strict=True)]
     even = bool(np.abs(np.diff(carry, axis=0)).max(initial=0.0) < 1e-9)
     carry, moves, active, free = carry[window], moves[:, window], active[window], free[window]
     shift, aims, pulls, takes = _solved(sides, marks, moves, ground.cut(window), ~free)
-    turns, short = _legs_set(sides, pulls, aims, shift, carry, active)
+    turns, taken = _legs_set(sides, marks, pulls, aims, shift, carry, active, base.frame_time)
     lead += window.start
     made = set_anew(made, source.bearer, shift[active] / source.scale, turns, lead + np.flatnonzero(active))
     places = source.scale * world(made[lead : lead + len(carry)])
-    tracks = _taken(sides, aims, places, shift, carry[:, 0], moves, short)
+    tracks = taken | _taken(sides, marks, aims, places, shift, carry[:, 0], moves, base.frame_time)
     tracks["drop"] = tracks["drop"] - takes
-    return made, Strain.of(*counts, tracks, even, base.frame_time).later(lead)
+    wholes = np.concatenate([mark.pivots.whole for mark in marks])
+    return made, Strain.of(*counts, tracks, wholes, even, base.frame_time).later(lead)
 
 
 # -- in call order ---------------------------------------------------------------------------------
 
 
-def _side(motion: Motion, leg: Leg, listed: Sequence[Contact], places: np.ndarray, scale: float) -> Side:
-    parents = motion.skeleton.parents
+def _side(motion: Motion, pair: tuple[Leg, Leg], listed: Sequence[Contact], places: np.ndarray, scale: float) -> Side:
+    """The first leg of a pair."""
+    leg, parents = pair[0], motion.skeleton.parents
     joints = [parents[leg.hip], leg.hip, parents[leg.knee], leg.knee, parents[leg.ankle], leg.ankle]
     turned = world_rotations(motion, joints)
     hinge = hinge_of(motion, leg, places, turned[:, [1, 2, 3, 5]])
     ball = places[:, leg.ball]
     heel = hinge.ankle + rotation.rotate(hinge.foot, scale * leg.heel)
     stood = _stood(motion, leg, ball, heel, listed, scale)
-    return Side(leg, hinge, stood, heel, hinge.ankle - ball, turned[:, 0], turned[:, 4])
+    joints = joints_of(hinge, turned[:, 0], places[:, pair[1].hip], ball - heel, stood.of >= 0)
+    return Side(leg, hinge, stood, heel, hinge.ankle - ball, turned[:, 0], turned[:, 4], joints)
 
 
 def _stood(
@@ -262,24 +272,27 @@ def _aims(
 
 def _legs_set(
     sides: Sequence[Side],
+    marks: Sequence[Prints],
     pulls: Sequence[Legs],
     aims: Sequence[Targets],
     shift: np.ndarray,
     carry: np.ndarray,
     active: np.ndarray,
-) -> tuple[dict[int, np.ndarray], np.ndarray]:
-    """Rotations (N, 4) of hips, knees and ankles against their parents at the active frames, and by how much (2, F),
-    cm, the ankles fall short."""
+    frame_time: float,
+) -> tuple[dict[int, np.ndarray], dict[str, np.ndarray]]:
+    """Rotations (N, 4) of hips, knees and ankles against their parents at the active frames; by how much (2, F), cm,
+    the ankles fall short, and by how many degrees hips and ankles go too far."""
     turns: dict[int, np.ndarray] = {}
-    short = np.zeros((len(sides), len(carry)))
+    short, far = np.zeros((len(sides), len(carry))), np.zeros((2, len(sides), len(carry)))
     within = slice(*(np.flatnonzero(active)[[0, -1]] + [0, 1]).tolist())
     some, heading = active[within], carry[within, 0]
     back = rotation.inv(planar.quaternion(carry[within]))
-    for i, (side, pull, aim) in enumerate(zip(sides, pulls, aims, strict=True)):
+    for i, (side, mark, pull, aim) in enumerate(zip(sides, marks, pulls, aims, strict=True)):
         hinge, leg, yaw = side.hinge.cut(within), side.leg, aim.yaw[within]
         hip, goal = pull.hip[within] + shift[within], aim.ankle[within]
+        shares = mark.pivots.shares(side.stances, frame_time)
         whole, knee, short[i, within] = reached(
-            hinge, hip, goal, yaw, heading, pull.wanted[within], side.stances.exact[within]
+            hinge, hip, goal, yaw, heading, pull.wanted[within], side.stances.exact[within], shares[within]
         )
         above = rotation.mul(back, whole)
         bent = rotation.mul(knee, rotation.inv(hinge.knee))
@@ -288,27 +301,31 @@ def _legs_set(
         shin = rotation.mul(whole, rotation.mul(hinge.knee, bent))
         foot = rotation.mul(planar.quaternion(yaw[:, None]), hinge.foot)
         turns[leg.ankle] = rotation.mul(rotation.inv(rotation.mul(shin, side.shank[within])), foot)
-    return {joint: turned[some] for joint, turned in turns.items()}, short
+        far[:, i, within] = side.joints.cut(within).beyond(above, shin, yaw)
+    swings = np.array([side.stances.of < 0 for side in sides])
+    taken = {"short": np.where(swings, np.abs(short), 0.0), "hip": far[0], "ankle": far[1]}
+    return {joint: turned[some] for joint, turned in turns.items()}, taken
 
 
 def _taken(
     sides: Sequence[Side],
+    marks: Sequence[Prints],
     aims: Sequence[Targets],
     places: np.ndarray,
     shift: np.ndarray,
     heading: np.ndarray,
     moves: np.ndarray,
-    short: np.ndarray,
+    frame_time: float,
 ) -> dict[str, np.ndarray]:
     """What was taken of each kind of `_reach.LIMITS` in every frame, (F,) or of both legs (2, F), measured on the
     places (F, J, 3), cm."""
     off = [np.linalg.norm(places[:, s.leg.ball] - aim.ball, axis=1) for s, aim in zip(sides, aims, strict=True)]
-    turned = [np.degrees(np.abs(aim.yaw - heading)) for aim in aims]
-    swings = np.array([side.stances.of < 0 for side in sides])
+    turned = [side.joints.more(aim.yaw - heading) for side, aim in zip(sides, aims, strict=True)]
+    speeds = [mark.pivots.speeds(side.stances, frame_time) for side, mark in zip(sides, marks, strict=True)]
     return {
         "drop": -shift[:, 1],
         "shift": np.linalg.norm(shift[:, [0, 2]], axis=1),
-        "twist": np.where(moves, turned, 0.0),
+        "twist": np.degrees(np.where(moves, turned, 0.0)),
+        "pivot": np.degrees(speeds),
         "miss": np.where(moves, off, 0.0),
-        "short": np.where(swings, np.abs(short), 0.0),
     }

@@ -36,13 +36,15 @@ class Stances:
     """The stances of a leg, cm.
 
     spans:   (N, 2) first frame, and frame after the last. of: (F,) which stance, -1 in a swing.
-    places:  (N, 3) where the ball stands. placed: (N,) whether that is not where it stands in the source.
+    down:    (N, 2) the frames of it in which the ball stands, or the heel, where only that does.
+    places:  (N, 3) where it stands. placed: (N,) whether that is not where it stands in the source.
     changed: (N,) whether the source's foot slides there, or is placed.
     ball:    (F, 3) of the source. error: (F, 3) what is to be added to it in stances that change, so that it is still.
     exact:   (F,) 1 in a stance, 0 from 0.1 s away on. minded: the same to 0.35 s.
     """
 
     spans: np.ndarray
+    down: np.ndarray
     of: np.ndarray
     places: np.ndarray
     placed: np.ndarray
@@ -59,6 +61,7 @@ class Stances:
         of = self.of[span]
         return Stances(
             np.clip(self.spans[kept] - span.start, 0, len(of)),
+            np.clip(self.down[kept] - span.start, 0, len(of)),
             np.where(of >= 0, of - kept.start, -1),
             self.places[kept],
             self.placed[kept],
@@ -117,15 +120,20 @@ def stances(
     balls = sorted((contact for contact in listed if contact.joint == name), key=lambda contact: contact.first)
     heels = [contact for contact in listed if contact.joint != name]
     down, on_heel = (_mask(some, frames) for some in (balls, heels))
-    spans = _spans(balls, runs(down | on_heel).tolist(), round(SWING / frame_time))
+    unions = runs(down | on_heel).tolist()
+    stands = sorted(
+        [*balls, *_alone(heels, balls, down, unions, SWING / frame_time)], key=lambda contact: contact.first
+    )
+    spans = _spans(stands, unions, round(SWING / frame_time))
     of = np.full(frames, -1)
     error, places = np.zeros((frames, 3)), np.zeros((len(spans), 3))
     placed, changed = np.zeros(len(spans), bool), np.zeros(len(spans), bool)
-    for i, ((first, end), contact) in enumerate(zip(spans, balls, strict=True)):
+    for i, ((first, end), contact) in enumerate(zip(spans, stands, strict=True)):
         of[first:end] = i
         places[i] = scale * np.array(contact.place)
-        own = ball[contact.first : contact.last + 1]
-        error[first:end] = _holding(ball, heel, (first, end), contact, places[i])
+        point = ball if contact.joint == name else heel
+        own = point[contact.first : contact.last + 1]
+        error[first:end] = _holding(point, heel, (first, end), contact, places[i])
         placed[i] = np.abs(places[i] - own.mean(axis=0)).max() > STILL
         steps = np.linalg.norm(np.diff(own[:, GROUND], axis=0), axis=1) / frame_time
         slides = np.abs(own[:, GROUND] - own[:, GROUND].mean(axis=0)).max()
@@ -133,7 +141,8 @@ def stances(
         if not changed[i]:
             error[first:end] = 0.0
     exact, minded = (near(of >= 0, frame_time, seconds) for seconds in (NEAR, FAR))
-    return Stances(spans, of, places, placed, changed, ball, error, exact, minded)
+    held = np.array([[contact.first, contact.last + 1] for contact in stands], int).reshape(-1, 2)
+    return Stances(spans, held, of, places, placed, changed, ball, error, exact, minded)
 
 
 def wanted(hinge: Hinge, weight: np.ndarray, higher: np.ndarray | None = None) -> np.ndarray:
@@ -177,6 +186,20 @@ def _mask(listed: Sequence[Contact], frames: int) -> np.ndarray:
     for contact in listed:
         mask[contact.first : contact.last + 1] = True
     return mask
+
+
+def _alone(
+    heels: Sequence[Contact], balls: Sequence[Contact], down: np.ndarray, unions: Sequence[Sequence[int]], least: float
+) -> list[Contact]:
+    """The heel contacts during which the ball does not stand, long enough and far enough from contacts of the ball."""
+    apart = [union for union in unions if not down[union[0] : union[1]].any()]
+    return [
+        heel
+        for heel in heels
+        if any(first <= heel.first < end for first, end in apart)
+        and heel.last + 1 - heel.first >= least
+        and all(max(heel.first - ball.last, ball.first - heel.last) > least for ball in balls)
+    ]
 
 
 def _spans(balls: Sequence[Contact], unions: Sequence[Sequence[int]], least: int) -> np.ndarray:
