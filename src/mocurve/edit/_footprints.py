@@ -89,6 +89,8 @@ def targets(
     lift = prints.lift[stances.of[inside]]
     away[inside, 3] = lift - carry[inside, 3]
     away = filled(away, stances.spans, frame_time)
+    if prints.pivots is not None:
+        away[~inside, 2] = prints.pivots.swung(away[:, 2])[~inside]
     there, yaw = turn * (place + away[:, 1] + 1j * away[:, 0]) + shift, carry[:, 0] + away[:, 2]
     there[inside], yaw[inside] = stands, yaws  # not by way of the body: a foot that stands is still
     ankle = there + np.exp(1j * yaw) * _ground(offset)

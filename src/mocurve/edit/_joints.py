@@ -1,9 +1,9 @@
 """What hips and ankles of people can do, and how far legs that are set anew go beyond it.
 
 A hip is watched by how far the thigh has swung out of the middle of a cone, and how far it is twisted about itself, as
-`limit` does it and with its ranges; an ankle by how far the sole is bent up against the shank, and turned about it. The
-turn is that of the shank against the thigh, too, since the knee is a hinge here: people do part of it there. Whatever
-the clip itself does its legs may do.
+`limit` does it and with its ranges; an ankle by how far the sole is bent up towards the shank, and turned out of the
+plane of the leg, which is in part the shank's turn against the thigh: the knee is a hinge here. Whatever a leg does in
+the clip itself it may do.
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ PEOPLE = np.array(
     ]
 )
 SLACK = 5.0  # degrees that a joint may always be twisted: a clip at the end of a range is no reason to turn a foot
+COMFORT = np.radians(30.0)  # how far a foot is turned against its body, more than it ever is in the clip
 UPRIGHT = 0.3  # of a bone's length: as much of a turn about the vertical is its own twist at least
 
 
@@ -54,11 +55,28 @@ class Joints:
         """Some of the frames."""
         return replace(self, vectors=self.vectors[span], rooms=self.rooms[span], turned=self.turned[span])
 
-    def more(self, yaw: np.ndarray) -> np.ndarray:
-        """By how much (F,), radians, a foot turned by yaw (F,) against the body is turned more than it ever is while
-        it stands in the source."""
-        there = self.turned + yaw
-        return np.minimum(np.abs(yaw), np.maximum(np.maximum(there - self.most[1], self.most[0] - there), 0.0))
+    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        """By how much (F,), radians, a foot may be turned against its body in every frame, to the right (negative) and
+        to the left: COMFORT more than it ever is while it stands in the source, and no more than hip and ankle can."""
+        own, most = self.turned, self.most
+        low, high = np.minimum(most[0] - own, 0.0) - COMFORT, np.maximum(most[1] - own, 0.0) + COMFORT
+        left, right = self.rooms.sum(axis=1).T
+        return np.maximum(low, -right), np.minimum(high, left)
+
+    def more(self, turn: np.ndarray) -> np.ndarray:
+        """By how much (F,), radians, a foot turned by (F,) against the body is turned more than it ever is while it
+        stands in the source."""
+        there = self.turned + turn
+        return np.minimum(np.abs(turn), np.maximum(np.maximum(there - self.most[1], self.most[0] - there), 0.0))
+
+    def share(self, turn: np.ndarray) -> np.ndarray:
+        """The part (F,) of such a turn that the hip makes: half, unless hip or ankle comes near its end."""
+        half = 0.5 * np.abs(turn)
+        rooms = np.where(turn[:, None] > 0, self.rooms[:, :, 0], self.rooms[:, :, 1])
+        if not (half[:, None] > 0.5 * rooms).any():
+            return np.full(len(turn), 0.5)
+        rest = half[:, None] - saturated(half[:, None], 0.5 * rooms, 0.5 * rooms)
+        return 0.5 + (rest[:, 1] - rest[:, 0]) / np.maximum(2.0 * half, 1e-9)
 
     def beyond(self, thigh: np.ndarray, shank: np.ndarray, yaw: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """By how many degrees (F,) hip and ankle are beyond what they may, where thigh (against the body) and shank are
@@ -90,6 +108,11 @@ def joints_of(hinge: Hinge, above: np.ndarray, other: np.ndarray, sole: np.ndarr
     return Joints(vectors, ends, _rooms(vectors, angles, ends), turned, most)
 
 
+def saturated(values: np.ndarray, limit: np.ndarray, over: np.ndarray | float) -> np.ndarray:
+    """Values up to a limit as they are, above it never more than `over` beyond it, smooth to the second derivative."""
+    return np.where(values > limit, limit + over * np.tanh((values - limit) / over), values)
+
+
 # -- in call order ---------------------------------------------------------------------------------
 
 
@@ -113,7 +136,8 @@ def _ways(above: np.ndarray, across: np.ndarray, axis: np.ndarray) -> list[np.nd
 def _rooms(vectors: np.ndarray, angles: np.ndarray, ends: np.ndarray) -> np.ndarray:
     twists = angles[:, [1, 3]]
     rooms = np.stack([ends[[1, 3], 1] - twists, twists - ends[[1, 3], 0]], axis=-1)
-    along = np.maximum(np.abs(vectors[:, [0, 4], 1]), UPRIGHT)
+    along = np.stack([np.abs(vectors[:, 0, 1]), np.hypot(vectors[:, 5, 0], vectors[:, 5, 2])], axis=1)
+    along = np.maximum(along, UPRIGHT)
     return np.radians(np.maximum(rooms / along[..., None], SLACK))
 
 
@@ -145,8 +169,6 @@ def _beyond(vectors, thigh, shank, yaw, ends, over):  # type: ignore[no-untyped-
         found[2], found[3] = _of_ankle(moved[2], moved[3], moved[4])
         for i in range(4):
             away = max(ends[i, 0] - found[i], found[i] - ends[i, 1])
-            if i == 3:
-                away *= np.cos(np.radians(found[2]))  # a foot that goes on as the shank does points nowhere
             over[f, i // 2] = max(over[f, i // 2], away)
 
 
@@ -170,15 +192,10 @@ def _of_hip(limb, axis, centre, zero):  # type: ignore[no-untyped-def]
 
 @kernel
 def _of_ankle(shank, axis, sole):  # type: ignore[no-untyped-def]
-    """Bend upwards and turn to the left, degrees, of a sole against the shank and what lies ahead of it."""
+    """How far, degrees, a sole is bent up towards the shank, and turned out of the plane of the leg to the left."""
     up = sole[0] * shank[0] + sole[1] * shank[1] + sole[2] * shank[2]
     left = sole[0] * axis[0] + sole[1] * axis[1] + sole[2] * axis[2]
-    ahead = (
-        sole[0] * (axis[1] * shank[2] - axis[2] * shank[1])
-        + sole[1] * (axis[2] * shank[0] - axis[0] * shank[2])
-        + sole[2] * (axis[0] * shank[1] - axis[1] * shank[0])
-    )
-    return np.degrees(np.arcsin(min(max(up, -1.0), 1.0))), np.degrees(np.arctan2(left, ahead))
+    return np.degrees(np.arcsin(min(max(up, -1.0), 1.0))), np.degrees(np.arcsin(min(max(left, -1.0), 1.0)))
 
 
 @kernel

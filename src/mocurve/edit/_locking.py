@@ -148,7 +148,7 @@ def held(
     even = bool(np.abs(np.diff(carry, axis=0)).max(initial=0.0) < 1e-9)
     carry, moves, active, free = carry[window], moves[:, window], active[window], free[window]
     shift, aims, pulls, takes = _solved(sides, marks, moves, ground.cut(window), ~free)
-    turns, taken = _legs_set(sides, marks, pulls, aims, shift, carry, active, base.frame_time)
+    turns, taken = _legs_set(sides, pulls, aims, shift, carry, active)
     lead += window.start
     made = set_anew(made, source.bearer, shift[active] / source.scale, turns, lead + np.flatnonzero(active))
     places = source.scale * world(made[lead : lead + len(carry)])
@@ -272,13 +272,11 @@ def _aims(
 
 def _legs_set(
     sides: Sequence[Side],
-    marks: Sequence[Prints],
     pulls: Sequence[Legs],
     aims: Sequence[Targets],
     shift: np.ndarray,
     carry: np.ndarray,
     active: np.ndarray,
-    frame_time: float,
 ) -> tuple[dict[int, np.ndarray], dict[str, np.ndarray]]:
     """Rotations (N, 4) of hips, knees and ankles against their parents at the active frames; by how much (2, F), cm,
     the ankles fall short, and by how many degrees hips and ankles go too far."""
@@ -287,12 +285,12 @@ def _legs_set(
     within = slice(*(np.flatnonzero(active)[[0, -1]] + [0, 1]).tolist())
     some, heading = active[within], carry[within, 0]
     back = rotation.inv(planar.quaternion(carry[within]))
-    for i, (side, mark, pull, aim) in enumerate(zip(sides, marks, pulls, aims, strict=True)):
+    for i, (side, pull, aim) in enumerate(zip(sides, pulls, aims, strict=True)):
         hinge, leg, yaw = side.hinge.cut(within), side.leg, aim.yaw[within]
         hip, goal = pull.hip[within] + shift[within], aim.ankle[within]
-        shares = mark.pivots.shares(side.stances, frame_time)
+        joints = side.joints.cut(within)
         whole, knee, short[i, within] = reached(
-            hinge, hip, goal, yaw, heading, pull.wanted[within], side.stances.exact[within], shares[within]
+            hinge, hip, goal, yaw, heading, pull.wanted[within], side.stances.exact[within], joints.share(yaw - heading)
         )
         above = rotation.mul(back, whole)
         bent = rotation.mul(knee, rotation.inv(hinge.knee))
@@ -301,7 +299,7 @@ def _legs_set(
         shin = rotation.mul(whole, rotation.mul(hinge.knee, bent))
         foot = rotation.mul(planar.quaternion(yaw[:, None]), hinge.foot)
         turns[leg.ankle] = rotation.mul(rotation.inv(rotation.mul(shin, side.shank[within])), foot)
-        far[:, i, within] = side.joints.cut(within).beyond(above, shin, yaw)
+        far[:, i, within] = joints.beyond(above, shin, yaw)
     swings = np.array([side.stances.of < 0 for side in sides])
     taken = {"short": np.where(swings, np.abs(short), 0.0), "hip": far[0], "ankle": far[1]}
     return {joint: turned[some] for joint, turned in turns.items()}, taken

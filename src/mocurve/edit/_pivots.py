@@ -12,38 +12,33 @@ from dataclasses import dataclass
 import numpy as np
 
 from .._jit import kernel
-from ._hinge import SWIVEL
-from ._joints import Joints
+from ._joints import Joints, saturated
 from ._stances import Stances
-from ._swings import filled
 
-# radians that a foot is turned against its body, more than it ever is in the clip, without turning on the spot. In
-# captures feet are turned against the body by up to 30 to 40 degrees either way in one contact
-COMFORT = np.radians(30.0)
 COMES = 0.1  # seconds in which a foot begins to turn, and comes to rest
+OVER = np.radians(15.0)  # further than that a swinging foot is never turned
 MOST = 1.3  # times as fast as the body: what was missed at both ends is made up for
 
 
 @dataclass(frozen=True, eq=False)
 class Pivots:
     """How standing feet turn on the spot: angle (F,), radians, beside their footprint's; how much (N,) each turns in
-    all; and shares (N,) of what a foot is turned against the body that the hip takes, the ankle the rest."""
+    all. low, high: (F,) by how much a foot is turned against its body at most."""
 
     angle: np.ndarray
     whole: np.ndarray
-    share: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
 
     def cut(self, span: slice, some: slice) -> Pivots:
         """Some of the frames, with the stances that are in them."""
-        return Pivots(self.angle[span], self.whole[some], self.share[some])
+        return Pivots(self.angle[span], self.whole[some], self.low[span], self.high[span])
 
-    def shares(self, stances: Stances, frame_time: float) -> np.ndarray:
-        """The part of the turn that the hip takes at every frame, (F,)."""
-        part = np.full(len(self.angle), SWIVEL)
-        if (self.share != SWIVEL).any():
-            known = np.where(stances.of >= 0, self.share[stances.of] - SWIVEL, 0.0)
-            part += filled(known[:, None], stances.spans, frame_time)[:, 0]
-        return part
+    def swung(self, turn: np.ndarray) -> np.ndarray:
+        """Turns (F,) of a swinging foot against its body, led on from fast turns of standing ones, kept within what
+        legs can do."""
+        kept = saturated(turn, self.high, OVER)
+        return -saturated(-kept, -self.low, OVER)
 
     def speeds(self, stances: Stances, frame_time: float) -> np.ndarray:
         """Radians a second (F,) at which standing feet turn."""
@@ -55,12 +50,9 @@ class Pivots:
 
 def pivots(stances: Stances, angles: np.ndarray, heading: np.ndarray, joints: Joints, frame_time: float) -> Pivots:
     """How feet turn whose footprints are turned by angles (N,) under a body that is turned by heading (F,)."""
-    made = Pivots(np.zeros(len(heading)), np.zeros(len(angles)), np.full(len(angles), SWIVEL))
-    low, high = joints.most[0] - joints.turned - COMFORT, joints.most[1] - joints.turned + COMFORT
-    low, high = np.maximum(low, -joints.rooms[:, :, 1].sum(axis=1)), np.minimum(high, joints.rooms[:, :, 0].sum(axis=1))
+    made = Pivots(np.zeros(len(heading)), np.zeros(len(angles)), *joints.bounds())
     count = max(1, round(COMES / frame_time))
-    _turn(stances.spans, stances.down, angles, heading, low, high, count, made.angle, made.whole)
-    _share(stances.spans, angles, heading, made.angle, joints.rooms, made.share)
+    _turn(stances.spans, stances.down, angles, heading, made.low, made.high, count, made.angle, made.whole)
     return made
 
 
@@ -106,16 +98,3 @@ def _speed(at, down, count):  # type: ignore[no-untyped-def]
     u = min(at - first, last - at) / ramp if ramp > 0.0 else 0.0
     u = min(max(u, 0.0), 1.0)
     return u * u * u * (10.0 + u * (6.0 * u - 15.0))
-
-
-@kernel
-def _share(spans, angles, heading, angle, rooms, share):  # type: ignore[no-untyped-def]
-    """The part of the turn that the hip takes: half, unless hip or ankle has no room for that."""
-    for i in range(len(spans)):
-        least, most = 0.0, 1.0
-        for f in range(spans[i, 0], spans[i, 1]):
-            turn = angles[i] + angle[f] - heading[f]
-            size, way = abs(turn), 0 if turn > 0.0 else 1
-            if size > 1e-9:
-                least, most = max(least, 1.0 - rooms[f, 1, way] / size), min(most, rooms[f, 0, way] / size)
-        share[i] = min(max(share[i], least), most) if least <= most else 0.5 * (least + most)
