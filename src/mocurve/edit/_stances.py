@@ -27,7 +27,8 @@ SLOPES, STEP = (
     np.radians(10.0),
     3.0,
 )  # so much more where the foot is so many cm higher or lower, or further, than the body
-SWING = 0.1  # seconds: the shortest swing that a heel contact leaves
+SWING = 0.1  # seconds: the shortest swing that a heel contact leaves, and the shortest stand on a heel alone
+SLIDES = 3.0  # cm: a heel alone that goes further does not stand
 GROUND = [0, 2]
 
 
@@ -44,7 +45,6 @@ class Stances:
     """
 
     spans: np.ndarray
-    down: np.ndarray
     of: np.ndarray
     places: np.ndarray
     placed: np.ndarray
@@ -53,6 +53,7 @@ class Stances:
     error: np.ndarray
     exact: np.ndarray
     minded: np.ndarray
+    down: np.ndarray
 
     def cut(self, span: slice) -> tuple[Stances, slice]:
         """Some of the frames, and which stances are in them."""
@@ -61,7 +62,6 @@ class Stances:
         of = self.of[span]
         return Stances(
             np.clip(self.spans[kept] - span.start, 0, len(of)),
-            np.clip(self.down[kept] - span.start, 0, len(of)),
             np.where(of >= 0, of - kept.start, -1),
             self.places[kept],
             self.placed[kept],
@@ -70,6 +70,7 @@ class Stances:
             self.error[span],
             self.exact[span],
             self.minded[span],
+            np.clip(self.down[kept] - span.start, 0, len(of)),
         ), kept
 
     def mending(self, touched: np.ndarray) -> Stances:
@@ -121,10 +122,10 @@ def stances(
     heels = [contact for contact in listed if contact.joint != name]
     down, on_heel = (_mask(some, frames) for some in (balls, heels))
     unions = runs(down | on_heel).tolist()
-    stands = sorted(
-        [*balls, *_alone(heels, balls, down, unions, SWING / frame_time)], key=lambda contact: contact.first
-    )
-    spans = _spans(stands, unions, round(SWING / frame_time))
+    least = round(SWING / frame_time)
+    alone = _alone(heels, balls, np.stack([ball, heel]), least)
+    stands = sorted([*balls, *alone], key=lambda contact: contact.first)
+    spans = _spans(stands, unions, least)
     of = np.full(frames, -1)
     error, places = np.zeros((frames, 3)), np.zeros((len(spans), 3))
     placed, changed = np.zeros(len(spans), bool), np.zeros(len(spans), bool)
@@ -142,7 +143,7 @@ def stances(
             error[first:end] = 0.0
     exact, minded = (near(of >= 0, frame_time, seconds) for seconds in (NEAR, FAR))
     held = np.array([[contact.first, contact.last + 1] for contact in stands], int).reshape(-1, 2)
-    return Stances(spans, held, of, places, placed, changed, ball, error, exact, minded)
+    return Stances(spans, of, places, placed, changed, ball, error, exact, minded, held)
 
 
 def wanted(hinge: Hinge, weight: np.ndarray, higher: np.ndarray | None = None) -> np.ndarray:
@@ -188,18 +189,18 @@ def _mask(listed: Sequence[Contact], frames: int) -> np.ndarray:
     return mask
 
 
-def _alone(
-    heels: Sequence[Contact], balls: Sequence[Contact], down: np.ndarray, unions: Sequence[Sequence[int]], least: float
-) -> list[Contact]:
-    """The heel contacts during which the ball does not stand, long enough and far enough from contacts of the ball."""
-    apart = [union for union in unions if not down[union[0] : union[1]].any()]
-    return [
-        heel
-        for heel in heels
-        if any(first <= heel.first < end for first, end in apart)
-        and heel.last + 1 - heel.first >= least
-        and all(max(heel.first - ball.last, ball.first - heel.last) > least for ball in balls)
-    ]
+def _alone(heels: Sequence[Contact], balls: Sequence[Contact], places: np.ndarray, least: int) -> list[Contact]:
+    """The contacts of a heel that stands alone, the ball above it, for so many frames at least and so many away from
+    contacts of the ball. places: (2, F, 3) of ball and heel."""
+    found = []
+    for heel in heels:
+        span = slice(heel.first, heel.last + 1)
+        ball, own = places[0, span], places[1, span]
+        apart = all(max(heel.first - other.last, other.first - heel.last) > least for other in balls)
+        slides = np.abs(own[:, GROUND] - own[:, GROUND].mean(axis=0)).max()
+        if apart and len(own) >= least and (ball - own)[:, 1].mean() > 0 and slides < SLIDES:
+            found.append(heel)
+    return found
 
 
 def _spans(balls: Sequence[Contact], unions: Sequence[Sequence[int]], least: int) -> np.ndarray:
