@@ -3,7 +3,7 @@
 A hip is watched by how far the thigh has swung out of the middle of a cone, and how far it is twisted about itself, as
 `limit` does it and with its ranges; an ankle by how far the sole is bent up towards the shank, and turned out of the
 plane of the leg, which is in part the shank's turn against the thigh: the knee is a hinge here. Whatever a leg does in
-the clip itself it may do.
+the clip itself it may do. Compiled: every edit asks for it.
 """
 
 from __future__ import annotations
@@ -12,14 +12,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .. import rotation
 from .._jit import kernel
 from ._anatomy import ALLOWANCE, CONES, TWISTS
-from ._hinge import Hinge
+from ._hinge import SWIVEL, Hinge
 
-# degrees: swing of the hip out of the middle of its cone, its twist to the left, bend of the ankle upwards (AAOS 1965:
-# 20 up and 50 down), turn of the foot to the left (Kapandji, The Physiology of the Joints 2: of the shank 30 and 40, of
-# the foot 35 to 45 in all, that is 20 either way); lowest and highest
+# degrees, lowest and highest: swing of the hip out of the middle of its cone, its twist to the left, bend of the ankle
+# upwards (AAOS 1965: 20 up and 50 down), turn of the foot to the left (Kapandji, The Physiology of the Joints 2: 30 and
+# more of the shank, 35 to 45 in all, that is 20 either way, of the foot)
 PEOPLE = np.array(
     [
         [0.0, CONES["knee"][1]],
@@ -28,7 +27,7 @@ PEOPLE = np.array(
         [-30.0 - 20.0, 30.0 + 20.0],
     ]
 )
-SLACK = 5.0  # degrees that a joint may always be twisted: a clip at the end of a range is no reason to turn a foot
+SLACK = np.radians(5.0)  # a joint may always be turned by as much: a clip at the end of a range is no reason to pivot
 COMFORT = np.radians(30.0)  # how far a foot is turned against its body, more than it ever is in the clip
 UPRIGHT = 0.3  # of a bone's length: as much of a turn about the vertical is its own twist at least
 
@@ -37,12 +36,15 @@ UPRIGHT = 0.3  # of a bone's length: as much of a turn about the vertical is its
 class Joints:
     """Hip and ankle of a leg in the source, as the world sees them.
 
-    vectors: (F, 6, 3) of length 1: the thigh, from hip to knee; the axis of the knee; the middle of the hip's cone, and
-    where the knee's axis points there without twist; the shank, from ankle to knee; the sole, from heel to ball.
-    ends:    (4, 2) degrees, what the leg may do: what people can, and what it does in the source.
-    rooms:   (F, 2, 2) radians by how much more hip, then ankle, may be turned about the vertical, left, then right.
-    turned:  (F,) radians by how much the foot is turned to the left of where the body faces. most: (2,) to the right
-    and to the left, the most of it while the foot stands.
+    vectors:   (F, 6, 3) of length 1: the thigh, from hip to knee; the axis of the knee; the middle of the hip's cone,
+               and where the knee's axis points there without twist; the shank, from ankle to knee; the sole, from heel
+               to ball.
+    ends:      (4, 2) degrees, what the leg may do: what people can, and what it does in the source.
+    rooms:     (F, 2, 2) radians by how much more hip, then ankle, may be turned about the vertical, left, then right.
+    turned:    (F,) radians by how much the foot is turned to the left of where the body faces. most: (2,) to the right
+               (negative) and to the left, the most of it while the foot stands.
+    low, high: (F,) radians by how much a foot may be turned against its body, to the right (negative) and to the left:
+               COMFORT more than it ever is while it stands in the source, and no more than hip and ankle can.
     """
 
     vectors: np.ndarray
@@ -50,18 +52,13 @@ class Joints:
     rooms: np.ndarray
     turned: np.ndarray
     most: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
 
     def cut(self, span: slice) -> Joints:
         """Some of the frames."""
-        return replace(self, vectors=self.vectors[span], rooms=self.rooms[span], turned=self.turned[span])
-
-    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
-        """By how much (F,), radians, a foot may be turned against its body in every frame, to the right (negative) and
-        to the left: COMFORT more than it ever is while it stands in the source, and no more than hip and ankle can."""
-        own, most = self.turned, self.most
-        low, high = np.minimum(most[0] - own, 0.0) - COMFORT, np.maximum(most[1] - own, 0.0) + COMFORT
-        left, right = self.rooms.sum(axis=1).T
-        return np.maximum(low, -right), np.minimum(high, left)
+        parts = {name: getattr(self, name)[span] for name in ("vectors", "rooms", "turned", "low", "high")}
+        return replace(self, **parts)
 
     def more(self, turn: np.ndarray) -> np.ndarray:
         """By how much (F,), radians, a foot turned by (F,) against the body is turned more than it ever is while it
@@ -71,19 +68,16 @@ class Joints:
 
     def share(self, turn: np.ndarray) -> np.ndarray:
         """The part (F,) of such a turn that the hip makes: half, unless hip or ankle comes near its end."""
-        half = 0.5 * np.abs(turn)
-        rooms = np.where(turn[:, None] > 0, self.rooms[:, :, 0], self.rooms[:, :, 1])
-        if not (half[:, None] > 0.5 * rooms).any():
-            return np.full(len(turn), 0.5)
-        rest = half[:, None] - saturated(half[:, None], 0.5 * rooms, 0.5 * rooms)
-        return 0.5 + (rest[:, 1] - rest[:, 0]) / np.maximum(2.0 * half, 1e-9)
+        part = np.full(len(turn), SWIVEL)
+        _share(turn, self.rooms, part)
+        return part
 
     def beyond(self, thigh: np.ndarray, shank: np.ndarray, yaw: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """By how many degrees (F,) hip and ankle are beyond what they may, where thigh (against the body) and shank are
         turned (F, 4) and the foot about the vertical, (F,) radians, all against the source."""
-        over = np.zeros((len(yaw), 2))
+        over = np.zeros((2, len(yaw)))
         _beyond(self.vectors, thigh, shank, yaw, self.ends, over)
-        return over[:, 0], over[:, 1]
+        return over[0], over[1]
 
 
 def joints_of(hinge: Hinge, above: np.ndarray, other: np.ndarray, sole: np.ndarray, stands: np.ndarray) -> Joints:
@@ -93,22 +87,23 @@ def joints_of(hinge: Hinge, above: np.ndarray, other: np.ndarray, sole: np.ndarr
     Up is where the world's up is on the mean, as the body sees it; left is along the line of the hips, to where the
     knee's axis points, about which it bends back.
     """
-    thigh, axis = -rotation.rotate(hinge.knee, hinge.p), rotation.rotate(hinge.knee, hinge.axis)
-    centre, left, ahead = _ways(above, hinge.hip - other, axis)
-    sole = np.where(sole.any(axis=1, keepdims=True), sole, ahead)  # no foot to turn
-    vectors = np.stack([thigh, axis, centre, left, hinge.hip + thigh - hinge.ankle, sole], axis=1)
-    vectors /= np.maximum(np.linalg.norm(vectors, axis=2, keepdims=True), 1e-12)
-    angles = np.zeros((len(vectors), 4))
+    frames = len(above)
+    means, vectors, angles = np.zeros((3, 3)), np.zeros((frames, 6, 3)), np.zeros((frames, 4))
+    rooms, turned = np.zeros((frames, 2, 2)), np.zeros(frames)
+    _mean(above, hinge.hip - other, hinge.knee, hinge.axis, means)
+    _see(_ways(*means), above, (hinge.knee, hinge.p, hinge.axis), (hinge.hip, hinge.ankle, sole), vectors, turned)
     _angles(vectors, angles)
-    ends = np.stack([angles.min(axis=0, initial=np.inf), angles.max(axis=0, initial=-np.inf)], axis=1)
-    ends = np.stack([np.minimum(ends[:, 0], PEOPLE[:, 0]), np.maximum(ends[:, 1], PEOPLE[:, 1])], axis=1)
-    turned = np.angle((sole[:, 2] + 1j * sole[:, 0]) * (ahead[:, 2] - 1j * ahead[:, 0]))
+    low, high = (angles.min(axis=0), angles.max(axis=0)) if frames else PEOPLE.T
+    ends = np.stack([np.minimum(low, PEOPLE[:, 0]), np.maximum(high, PEOPLE[:, 1])], axis=1)
+    _rooms(vectors, angles, ends, rooms)
     own = turned[stands]
     most = np.array([own.min(), own.max()]) if len(own) else np.zeros(2)
-    return Joints(vectors, ends, _rooms(vectors, angles, ends), turned, most)
+    right, left = np.minimum(most[0] - turned, 0.0) - COMFORT, np.maximum(most[1] - turned, 0.0) + COMFORT
+    right, left = np.maximum(right, -rooms[:, :, 1].sum(axis=1)), np.minimum(left, rooms[:, :, 0].sum(axis=1))
+    return Joints(vectors, ends, rooms, turned, most, right, left)
 
 
-def saturated(values: np.ndarray, limit: np.ndarray, over: np.ndarray | float) -> np.ndarray:
+def saturated(values: np.ndarray, limit: np.ndarray, over: float) -> np.ndarray:
     """Values up to a limit as they are, above it never more than `over` beyond it, smooth to the second derivative."""
     return np.where(values > limit, limit + over * np.tanh((values - limit) / over), values)
 
@@ -116,29 +111,67 @@ def saturated(values: np.ndarray, limit: np.ndarray, over: np.ndarray | float) -
 # -- in call order ---------------------------------------------------------------------------------
 
 
-def _ways(above: np.ndarray, across: np.ndarray, axis: np.ndarray) -> list[np.ndarray]:
-    """Where (F, 3) the middle of the hip's cone, left and ahead are in every frame."""
-    if not len(above):
-        return [axis, axis, axis]
-    back = rotation.inv(above)
-    up, left, side = (
-        rotation.rotate(back, vectors).mean(axis=0) for vectors in (np.array([[0.0, 1.0, 0.0]]), across, axis)
-    )
-    left = left if left @ side > 0 else -left
-    up /= max(np.linalg.norm(up), 1e-9)
+@kernel
+def _share(turn, rooms, part):  # type: ignore[no-untyped-def]
+    """Each joint makes half up to half of its room, then less and less, never more than all of it; the other the
+    rest."""
+    for f in range(len(turn)):
+        half, way = 0.5 * abs(turn[f]), 0 if turn[f] > 0.0 else 1
+        for joint in range(2):
+            knee = 0.5 * rooms[f, joint, way]
+            if half > knee:
+                rest = half - knee - knee * np.tanh((half - knee) / knee)
+                part[f] += (rest if joint == 1 else -rest) / (2.0 * half)
+
+
+def _ways(up: np.ndarray, across: np.ndarray, axis: np.ndarray) -> np.ndarray:
+    """(3, 3) the middle of the hip's cone, left and ahead, as the body sees them."""
+    up = up / max(np.linalg.norm(up), 1e-9)
+    left = across if across @ axis > 0 else -across
     left = left - (left @ up) * up
-    left /= max(np.linalg.norm(left), 1e-9)
+    left = left / max(np.linalg.norm(left), 1e-9)
     _, down, forwards = CONES["knee"][0]
     ahead = np.cross(left, up)
-    return [rotation.rotate(above, way) for way in (down * up + forwards * ahead, left, ahead)]
+    return np.stack([down * up + forwards * ahead, left, ahead])
 
 
-def _rooms(vectors: np.ndarray, angles: np.ndarray, ends: np.ndarray) -> np.ndarray:
-    twists = angles[:, [1, 3]]
-    rooms = np.stack([ends[[1, 3], 1] - twists, twists - ends[[1, 3], 0]], axis=-1)
-    along = np.stack([np.abs(vectors[:, 0, 1]), np.hypot(vectors[:, 5, 0], vectors[:, 5, 2])], axis=1)
-    along = np.maximum(along, UPRIGHT)
-    return np.radians(np.maximum(rooms / along[..., None], SLACK))
+@kernel
+def _mean(above, across, knee, axis, means):  # type: ignore[no-untyped-def]
+    """Where up, the line of the hips and the axis of the knee are for the body on the mean, (3, 3)."""
+    up, seen, made = np.array([0.0, 1.0, 0.0]), np.empty(3), np.empty(3)
+    back = np.empty(4)
+    for f in range(len(above)):
+        back[0], back[1], back[2], back[3] = above[f, 0], -above[f, 1], -above[f, 2], -above[f, 3]
+        _rotate(knee[f], axis, seen)
+        for i in range(3):
+            _rotate(back, up if i == 0 else across[f] if i == 1 else seen, made)
+            for j in range(3):
+                means[i, j] += made[j] / len(above)
+
+
+@kernel
+def _see(ways, above, leg, places, vectors, turned):  # type: ignore[no-untyped-def]
+    """Fill in the vectors (F, 6, 3), and how the foot is turned (F,)."""
+    knee, p, axis = leg
+    hip, ankle, sole = places
+    ahead = np.empty(3)
+    for f in range(len(above)):
+        v = vectors[f]
+        _rotate(knee[f], p[f], v[0])
+        _rotate(knee[f], axis, v[1])
+        _rotate(above[f], ways[0], v[2])
+        _rotate(above[f], ways[1], v[3])
+        _rotate(above[f], ways[2], ahead)
+        alone = sole[f, 0] == 0.0 and sole[f, 1] == 0.0 and sole[f, 2] == 0.0  # no foot to turn
+        for j in range(3):
+            v[0, j] = -v[0, j]
+            v[4, j] = hip[f, j] + v[0, j] - ankle[f, j]
+            v[5, j] = ahead[j] if alone else sole[f, j]
+        for i in range(6):
+            size = np.sqrt(v[i, 0] ** 2 + v[i, 1] ** 2 + v[i, 2] ** 2)
+            for j in range(3):
+                v[i, j] /= max(size, 1e-12)
+        turned[f] = np.arctan2(v[5, 0] * ahead[2] - v[5, 2] * ahead[0], v[5, 0] * ahead[0] + v[5, 2] * ahead[2])
 
 
 @kernel
@@ -146,15 +179,36 @@ def _angles(vectors, angles):  # type: ignore[no-untyped-def]
     """Angles (F, 4), degrees, as they stand."""
     for f in range(len(vectors)):
         v = vectors[f]
-        angles[f, 0], angles[f, 1] = _of_hip(v[0], v[1], v[2], v[3])
-        angles[f, 2], angles[f, 3] = _of_ankle(v[4], v[1], v[5])
+        _put(_of_hip(v[0], v[1], v[2], v[3]), _of_ankle(v[4], v[1], v[5]), angles[f])
+
+
+@kernel
+def _put(hip, ankle, angles):  # type: ignore[no-untyped-def]
+    angles[0] = np.degrees(np.arccos(min(max(hip[0], -1.0), 1.0)))
+    angles[1] = np.degrees(np.arctan2(hip[2], hip[1]))
+    angles[2] = np.degrees(np.arcsin(min(max(ankle[0], -1.0), 1.0)))
+    angles[3] = np.degrees(np.arcsin(min(max(ankle[1], -1.0), 1.0)))
+
+
+@kernel
+def _rooms(vectors, angles, ends, rooms):  # type: ignore[no-untyped-def]
+    for f in range(len(vectors)):
+        v = vectors[f]
+        for joint in range(2):
+            along = abs(v[0, 1]) if joint == 0 else np.sqrt(v[5, 0] ** 2 + v[5, 2] ** 2)
+            angle, end = angles[f, 2 * joint + 1], ends[2 * joint + 1]
+            for way in range(2):
+                room = end[1] - angle if way == 0 else angle - end[0]
+                rooms[f, joint, way] = max(np.radians(room) / max(along, UPRIGHT), SLACK)
 
 
 @kernel
 def _beyond(vectors, thigh, shank, yaw, ends, over):  # type: ignore[no-untyped-def]
-    """How far hips and ankles are beyond their ends, (F, 2), with thigh, shank and foot turned."""
-    found = np.empty(4)
-    moved = np.empty((5, 3))
+    """How far hips and ankles are beyond their ends, (2, F), with thigh, shank and foot turned."""
+    moved, found = np.empty((5, 3)), np.empty(4)
+    swing, twist = np.cos(np.radians(ends[0, 1])), 1.0 / np.tan(np.radians(min(-ends[1, 0], ends[1, 1])))
+    low, high = np.sin(np.radians(ends[2, 0])), np.sin(np.radians(ends[2, 1]))
+    turn = np.sin(np.radians(min(-ends[3, 0], ends[3, 1])))
     for f in range(len(vectors)):
         v = vectors[f]
         _rotate(thigh[f], v[0], moved[0])
@@ -165,16 +219,18 @@ def _beyond(vectors, thigh, shank, yaw, ends, over):  # type: ignore[no-untyped-
         moved[4, 0] = cosine * v[5, 0] + sine * v[5, 2]
         moved[4, 1] = v[5, 1]
         moved[4, 2] = cosine * v[5, 2] - sine * v[5, 0]
-        found[0], found[1] = _of_hip(moved[0], moved[1], v[2], v[3])
-        found[2], found[3] = _of_ankle(moved[2], moved[3], moved[4])
-        for i in range(4):
-            away = max(ends[i, 0] - found[i], found[i] - ends[i, 1])
-            over[f, i // 2] = max(over[f, i // 2], away)
+        hip = _of_hip(moved[0], moved[1], v[2], v[3])
+        ankle = _of_ankle(moved[2], moved[3], moved[4])
+        if hip[0] < swing or hip[1] <= twist * abs(hip[2]) or not low <= ankle[0] <= high or abs(ankle[1]) > turn:
+            _put(hip, ankle, found)
+            for i in range(4):
+                over[i // 2, f] = max(over[i // 2, f], found[i] - ends[i, 1], ends[i, 0] - found[i])
 
 
 @kernel
 def _of_hip(limb, axis, centre, zero):  # type: ignore[no-untyped-def]
-    """Swing and twist, degrees: what the shortest way from the middle makes of `zero` is no twist."""
+    """The cosine of the swing, and the twist as cosine and sine, unscaled: what the shortest way from the middle makes
+    of `zero` is no twist."""
     near = limb[0] * centre[0] + limb[1] * centre[1] + limb[2] * centre[2]
     along = (limb[0] * zero[0] + limb[1] * zero[1] + limb[2] * zero[2]) / max(1.0 + near, 1e-9)
     x = zero[0] - along * (limb[0] + centre[0])
@@ -186,16 +242,14 @@ def _of_hip(limb, axis, centre, zero):  # type: ignore[no-untyped-def]
         + limb[1] * (z * axis[0] - x * axis[2])
         + limb[2] * (x * axis[1] - y * axis[0])
     )
-    # about the way up the limb: a turn to the left is positive
-    return np.degrees(np.arccos(min(max(near, -1.0), 1.0))), -np.degrees(np.arctan2(across, straight))
+    return near, straight, -across  # about the way up the limb: a turn to the left is positive
 
 
 @kernel
 def _of_ankle(shank, axis, sole):  # type: ignore[no-untyped-def]
-    """How far, degrees, a sole is bent up towards the shank, and turned out of the plane of the leg to the left."""
+    """How far a sole is bent up towards the shank, and turned out of the plane of the leg to the left: sines."""
     up = sole[0] * shank[0] + sole[1] * shank[1] + sole[2] * shank[2]
-    left = sole[0] * axis[0] + sole[1] * axis[1] + sole[2] * axis[2]
-    return np.degrees(np.arcsin(min(max(up, -1.0), 1.0))), np.degrees(np.arcsin(min(max(left, -1.0), 1.0)))
+    return up, sole[0] * axis[0] + sole[1] * axis[1] + sole[2] * axis[2]
 
 
 @kernel

@@ -37,8 +37,9 @@ class Pivots:
     def swung(self, turn: np.ndarray) -> np.ndarray:
         """Turns (F,) of a swinging foot against its body, led on from fast turns of standing ones, kept within what
         legs can do."""
-        kept = saturated(turn, self.high, OVER)
-        return -saturated(-kept, -self.low, OVER)
+        if ((turn > self.high) | (turn < self.low)).any():
+            turn = -saturated(-saturated(turn, self.high, OVER), -self.low, OVER)
+        return turn
 
     def speeds(self, stances: Stances, frame_time: float) -> np.ndarray:
         """Radians a second (F,) at which standing feet turn."""
@@ -50,7 +51,7 @@ class Pivots:
 
 def pivots(stances: Stances, angles: np.ndarray, heading: np.ndarray, joints: Joints, frame_time: float) -> Pivots:
     """How feet turn whose footprints are turned by angles (N,) under a body that is turned by heading (F,)."""
-    made = Pivots(np.zeros(len(heading)), np.zeros(len(angles)), *joints.bounds())
+    made = Pivots(np.zeros(len(heading)), np.zeros(len(angles)), joints.low, joints.high)
     count = max(1, round(COMES / frame_time))
     _turn(stances.spans, stances.down, angles, heading, made.low, made.high, count, made.angle, made.whole)
     return made
