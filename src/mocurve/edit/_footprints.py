@@ -14,7 +14,8 @@ import numpy as np
 
 from .. import planar
 from ._hinge import Hinge
-from ._pivots import Pivots
+from ._joints import Joints
+from ._pivots import Pivots, pivots
 from ._stances import GROUND, Stances
 from ._swings import filled
 
@@ -32,12 +33,11 @@ class Prints:
     taken: np.ndarray
     lift: np.ndarray
     uneven: np.ndarray
-    pivots: Pivots | None = None
+    pivots: Pivots
 
     def cut(self, some: slice, span: slice) -> Prints:
         """Some of the stances, in some of the frames."""
-        turns = self.pivots and self.pivots.cut(span, some)
-        return Prints(self.taken[some], self.lift[some], self.uneven[some], turns)
+        return Prints(self.taken[some], self.lift[some], self.uneven[some], self.pivots.cut(span, some))
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,11 +49,12 @@ class Targets:
     yaw: np.ndarray
 
 
-def prints(stances: Stances, carry: np.ndarray) -> Prints:
-    """Footprints where the body passes on the mean."""
+def prints(stances: Stances, carry: np.ndarray, joints: Joints, frame_time: float) -> Prints:
+    """Footprints where the body passes on the mean, turning on the spot where it turns too far for hip and ankle."""
     there = planar.move(carry, stances.places[np.maximum(stances.of, 0)]) if len(stances.spans) else None
     if there is None:
-        return Prints(np.zeros((0, 3)), np.zeros(0), np.zeros(0))
+        none = np.zeros(0)
+        return Prints(np.zeros((0, 3)), none, none, pivots(stances, none, carry[:, 0], joints, frame_time))
     angle = stances.mean(carry[:, :1])
     place = stances.mean(there)
     turned = planar.move(np.concatenate([angle, 0.0 * angle, 0.0 * angle], axis=1), stances.places)
@@ -63,7 +64,8 @@ def prints(stances: Stances, carry: np.ndarray) -> Prints:
     uneven = np.zeros(len(taken))
     inside = stances.of >= 0
     np.maximum.at(uneven, stances.of[inside], np.maximum(away, 10.0 * turns)[inside])  # a foot is 10 cm either way
-    return Prints(taken, np.zeros(len(taken)), uneven)
+    turns = pivots(stances, taken[:, 0], carry[:, 0], joints, frame_time)
+    return Prints(taken, np.zeros(len(taken)), uneven, turns)
 
 
 def targets(
@@ -80,7 +82,7 @@ def targets(
     taken = prints.taken[stances.of[inside]]
     stands = np.exp(1j * taken[:, 0]) * place[inside] + taken[:, 2] + 1j * taken[:, 1]
     yaws = taken[:, 0]
-    if prints.pivots is not None and prints.pivots.whole.any():
+    if prints.pivots.whole.any():
         more, about = prints.pivots.angle[inside], _ground(stances.places[stances.of[inside]])
         stands = stands + np.exp(1j * yaws) * (np.exp(1j * more) - 1.0) * (place[inside] - about)
         yaws = yaws + more
@@ -89,8 +91,7 @@ def targets(
     lift = prints.lift[stances.of[inside]]
     away[inside, 3] = lift - carry[inside, 3]
     away = filled(away, stances.spans, frame_time)
-    if prints.pivots is not None:
-        away[~inside, 2] = prints.pivots.swung(away[:, 2])[~inside]
+    away[~inside, 2] = prints.pivots.swung(away[:, 2])[~inside]
     there, yaw = turn * (place + away[:, 1] + 1j * away[:, 0]) + shift, carry[:, 0] + away[:, 2]
     there[inside], yaw[inside] = stands, yaws  # not by way of the body: a foot that stands is still
     ankle = there + np.exp(1j * yaw) * _ground(offset)

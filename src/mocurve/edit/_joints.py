@@ -72,11 +72,11 @@ class Joints:
         _share(turn, self.rooms, part)
         return part
 
-    def beyond(self, thigh: np.ndarray, shank: np.ndarray, yaw: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """By how many degrees (F,) hip and ankle are beyond what they may, where thigh (against the body) and shank are
-        turned (F, 4) and the foot about the vertical, (F,) radians, all against the source."""
-        over = np.zeros((2, len(yaw)))
-        _beyond(self.vectors, thigh, shank, yaw, self.ends, over)
+    def beyond(self, thigh: np.ndarray, shank: np.ndarray, foot: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """By how many degrees (F,) hip and ankle are beyond what they may, where thigh (against the body), shank and
+        foot are turned (F, 4) against the source."""
+        over = np.zeros((2, len(foot)))
+        _beyond(self.vectors, thigh, shank, foot, self.ends, over)
         return over[0], over[1]
 
 
@@ -203,7 +203,7 @@ def _rooms(vectors, angles, ends, rooms):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _beyond(vectors, thigh, shank, yaw, ends, over):  # type: ignore[no-untyped-def]
+def _beyond(vectors, thigh, shank, foot, ends, over):  # type: ignore[no-untyped-def]
     """How far hips and ankles are beyond their ends, (2, F), with thigh, shank and foot turned."""
     moved, found = np.empty((5, 3)), np.empty(4)
     swing, twist = np.cos(np.radians(ends[0, 1])), 1.0 / np.tan(np.radians(min(-ends[1, 0], ends[1, 1])))
@@ -215,10 +215,7 @@ def _beyond(vectors, thigh, shank, yaw, ends, over):  # type: ignore[no-untyped-
         _rotate(thigh[f], v[1], moved[1])
         _rotate(shank[f], v[4], moved[2])
         _rotate(shank[f], v[1], moved[3])
-        cosine, sine = np.cos(yaw[f]), np.sin(yaw[f])
-        moved[4, 0] = cosine * v[5, 0] + sine * v[5, 2]
-        moved[4, 1] = v[5, 1]
-        moved[4, 2] = cosine * v[5, 2] - sine * v[5, 0]
+        _rotate(foot[f], v[5], moved[4])
         hip = _of_hip(moved[0], moved[1], v[2], v[3])
         ankle = _of_ankle(moved[2], moved[3], moved[4])
         if hip[0] < swing or hip[1] <= twist * abs(hip[2]) or not low <= ankle[0] <= high or abs(ankle[1]) > turn:

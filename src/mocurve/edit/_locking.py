@@ -26,7 +26,6 @@ from ._heights import Ground, Rise
 from ._hinge import Hinge, hinge_of, reached
 from ._joints import Joints, joints_of
 from ._pelvis import UP, Legs, shifted
-from ._pivots import pivots
 from ._reach import Strain
 from ._stances import FAR, STILL, Stances, near, stances, wanted
 from ._swings import REACH
@@ -52,8 +51,9 @@ class Side:
     def cut(self, span: slice) -> tuple[Side, slice]:
         """Some of the frames, and which stances are in them."""
         stances, kept = self.stances.cut(span)
-        parts = (part[span] for part in (self.heel, self.offset, self.above, self.shank))
-        return Side(self.leg, self.hinge.cut(span), stances, *parts, self.joints.cut(span)), kept
+        heel, offset, above, shank = (part[span] for part in (self.heel, self.offset, self.above, self.shank))
+        hinge, joints = self.hinge.cut(span), self.joints.cut(span)
+        return Side(self.leg, hinge, stances, heel, offset, above, shank, joints), kept
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,11 +130,7 @@ def held(
     ground = Ground(carry, None if rise is None else rise.cut(slice(lead, len(up))), source.scale, base.frame_time)
     if touched is not None:
         sides = tuple(replace(side, stances=side.stances.mending(touched[lead:])) for side in sides)
-    marks = [ground.raised(prints(side.stances, carry), side.stances) for side in sides]
-    marks = [
-        replace(mark, pivots=pivots(side.stances, mark.taken[:, 0], carry[:, 0], side.joints, base.frame_time))
-        for mark, side in zip(marks, sides, strict=True)
-    ]
+    marks = [ground.raised(prints(side.stances, carry, side.joints, base.frame_time), side.stances) for side in sides]
     changed = [side.stances.changed | (mark.uneven > STILL) for side, mark in zip(sides, marks, strict=True)]
     counts = sum(map(len, changed)), int(sum(map(np.sum, changed)))
     if not counts[1]:
@@ -164,8 +160,8 @@ def held(
 def _side(motion: Motion, pair: tuple[Leg, Leg], listed: Sequence[Contact], places: np.ndarray, scale: float) -> Side:
     """The first leg of a pair."""
     leg, parents = pair[0], motion.skeleton.parents
-    joints = [parents[leg.hip], leg.hip, parents[leg.knee], leg.knee, parents[leg.ankle], leg.ankle]
-    turned = world_rotations(motion, joints)
+    above = [parents[leg.hip], leg.hip, parents[leg.knee], leg.knee, parents[leg.ankle], leg.ankle]
+    turned = world_rotations(motion, above)
     hinge = hinge_of(motion, leg, places, turned[:, [1, 2, 3, 5]])
     ball = places[:, leg.ball]
     heel = hinge.ankle + rotation.rotate(hinge.foot, scale * leg.heel)
@@ -288,7 +284,7 @@ def _legs_set(
     for i, (side, pull, aim) in enumerate(zip(sides, pulls, aims, strict=True)):
         hinge, leg, yaw = side.hinge.cut(within), side.leg, aim.yaw[within]
         hip, goal = pull.hip[within] + shift[within], aim.ankle[within]
-        joints = side.joints.cut(within)
+        joints, turned = side.joints.cut(within), planar.quaternion(yaw[:, None])
         whole, knee, short[i, within] = reached(
             hinge, hip, goal, yaw, heading, pull.wanted[within], side.stances.exact[within], joints.share(yaw - heading)
         )
@@ -297,12 +293,12 @@ def _legs_set(
         turns[leg.hip] = rotation.mul(rotation.inv(side.above[within]), rotation.mul(above, hinge.thigh))
         turns[leg.knee] = rotation.mul(knee, rotation.mul(rotation.inv(hinge.knee), hinge.shin))
         shin = rotation.mul(whole, rotation.mul(hinge.knee, bent))
-        foot = rotation.mul(planar.quaternion(yaw[:, None]), hinge.foot)
+        foot = rotation.mul(turned, hinge.foot)
         turns[leg.ankle] = rotation.mul(rotation.inv(rotation.mul(shin, side.shank[within])), foot)
-        far[:, i, within] = joints.beyond(above, shin, yaw)
+        far[:, i, within] = np.where(some, joints.beyond(above, shin, turned), 0.0)
     swings = np.array([side.stances.of < 0 for side in sides])
     taken = {"short": np.where(swings, np.abs(short), 0.0), "hip": far[0], "ankle": far[1]}
-    return {joint: turned[some] for joint, turned in turns.items()}, taken
+    return {joint: local[some] for joint, local in turns.items()}, taken
 
 
 def _taken(

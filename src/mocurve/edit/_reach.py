@@ -90,7 +90,7 @@ class Strain:
     @classmethod
     def none(cls, stances: int) -> Strain:
         """Nothing was to be done."""
-        return cls(stances, 0, **dict.fromkeys(LIMITS, 0.0))
+        return cls(stances, 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
     @classmethod
     def of(
@@ -114,7 +114,8 @@ class Strain:
         ]
         problems.sort(key=lambda problem: -problem.value / LIMITS[problem.kind])
         count, whole = int((wholes > 0).sum()), float(np.degrees(wholes.max(initial=0.0)))
-        return cls(stances, changed, **found, pivots=count, pivoted=whole, problems=tuple(problems))
+        drop, shift, twist, pivot, miss, short, hip, ankle = (found[kind] for kind in LIMITS)
+        return cls(stances, changed, drop, shift, twist, pivot, miss, short, hip, ankle, count, whole, tuple(problems))
 
     def refuse(self, frame_time: float, mend: str) -> None:
         """OptionError with the worst problems, if there are any, and what can be done instead."""
