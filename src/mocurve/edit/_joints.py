@@ -16,14 +16,14 @@ from .._jit import kernel
 from ._anatomy import ALLOWANCE, CONES, TWISTS
 from ._hinge import SWIVEL, Hinge
 
-# degrees, lowest and highest: swing of the hip out of the middle of its cone, its twist to the left, bend of the ankle
-# upwards (AAOS 1965: 20 up and 50 down), turn of the foot to the left (Kapandji, The Physiology of the Joints 2: 30 and
-# more of the shank, 35 to 45 in all, that is 20 either way, of the foot)
+# degrees, lowest and highest: swing of the hip out of the middle of its cone and its twist to the left, as `limit` has
+# them; bend of the ankle, down 50 (AAOS 1965), up 40 with the weight on it (Konor et al. 2012; 20 without); turn of the
+# foot to the left, 30 and more of the shank, 20 of the foot (Kapandji, The Physiology of the Joints 2)
 PEOPLE = np.array(
     [
         [0.0, CONES["knee"][1]],
         [-TWISTS["knee"], TWISTS["knee"]],
-        [-50.0 - ALLOWANCE, 20.0 + ALLOWANCE],
+        [-50.0 - ALLOWANCE, 40.0 + ALLOWANCE],
         [-30.0 - 20.0, 30.0 + 20.0],
     ]
 )

@@ -28,7 +28,7 @@ SLOPES, STEP = (
     3.0,
 )  # so much more where the foot is so many cm higher or lower, or further, than the body
 SWING = 0.1  # seconds: the shortest swing that a heel contact leaves, and the shortest stand on a heel alone
-SLIDES = 3.0  # cm: a heel alone that goes further does not stand
+SLIDES, LIFTED = 3.0, 1.0  # cm: a heel alone that goes further does not stand; the ball is higher than it
 GROUND = [0, 2]
 
 
@@ -190,15 +190,15 @@ def _mask(listed: Sequence[Contact], frames: int) -> np.ndarray:
 
 
 def _alone(heels: Sequence[Contact], balls: Sequence[Contact], places: np.ndarray, least: int) -> list[Contact]:
-    """The contacts of a heel that stands alone, the ball above it, for so many frames at least and so many away from
-    contacts of the ball. places: (2, F, 3) of ball and heel."""
+    """The contacts of a heel that stands alone, the ball lifted above it all the time, for so many frames at least and
+    so many away from contacts of the ball. places: (2, F, 3) of ball and heel."""
     found = []
     for heel in heels:
         span = slice(heel.first, heel.last + 1)
         ball, own = places[0, span], places[1, span]
         apart = all(max(heel.first - other.last, other.first - heel.last) > least for other in balls)
         slides = np.abs(own[:, GROUND] - own[:, GROUND].mean(axis=0)).max()
-        if apart and len(own) >= least and (ball - own)[:, 1].mean() > 0 and slides < SLIDES:
+        if apart and len(own) >= least and (ball - own)[:, 1].min() > LIFTED and slides < SLIDES:
             found.append(heel)
     return found
 
