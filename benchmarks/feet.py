@@ -1,7 +1,7 @@
 """Captured walks and runs laid on other paths with their feet locked: how still the feet stand, how calm knees, ankles
 and pelvis stay, and what it took. Then the body turned about the ball of a standing foot, over every contact but the
 first and the last, either way: of those that are not refused the worst. Then whole clips with turns on the spot laid on
-a straight path by `follow`.
+a straight path by `follow`; and how far feet turn in captures while they stand, and how fast.
 
 python feet.py [--only 12_01] [--picture footprints.png]
 """
@@ -230,6 +230,7 @@ def main() -> None:
         for degrees in SPINS:
             print(*spun(name, source, degrees), flush=True)
     wholes(only)
+    turning(only)
     timed(clip("09_12"))
 
 
@@ -279,6 +280,30 @@ def wholes(only: str) -> None:
                 f"{feet['speed']:9.2f}{feet['pivots']:9}{feet['pivoted']:9.0f}{feet['drop']:7.2f}{feet['shift']:7.2f}"
             )
             print(f"{name:7}{heading:10}{told}{calm[0]:7.2f}{calm[1]:6.2f}", flush=True)
+
+
+def turning(only: str) -> None:
+    """How far feet turn in one contact of the ball, over the ground and against the body, and how fast, over 40 ms."""
+    print(f"\n{'':17}{'contacts':>9}{'over the ground, median, most':>32}{'deg/s':>7}{'against the body':>22}")
+    for name in CLIPS | WHOLE:
+        if only not in name:
+            continue
+        motion = clip(name)
+        both, step = legs(motion), max(1, round(0.04 / motion.frame_time))
+        places, (balls, heels) = kinematics.world(motion), tracks(motion, both)
+        across = places[:, both[0].hip] - places[:, both[1].hip]
+        body = np.unwrap(np.arctan2(across[:, 0], across[:, 2]))
+        found = []
+        for leg, way in zip(both, balls - heels, strict=True):
+            foot = np.unwrap(np.arctan2(way[:, 0], way[:, 2]))
+            for contact in contacts(motion):
+                if contact.joint == motion.skeleton.names[leg.ball]:
+                    span = slice(contact.first, contact.last + 1)
+                    speed = np.abs(foot[span][step:] - foot[span][:-step]).max(initial=0.0) / (step * motion.frame_time)
+                    found.append((np.ptp(foot[span]), speed, np.ptp((foot - body)[span])))
+        turn, speed, against = np.degrees(np.array(found)).T
+        told = f"{len(found):9}{np.median(turn):25.0f}{turn.max():7.0f}{speed.max():7.0f}"
+        print(f"{name:17}{told}{np.median(against):15.0f}{against.max():7.0f}", flush=True)
 
 
 def timed(motion: mc.Motion) -> None:
