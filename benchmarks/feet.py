@@ -3,7 +3,7 @@ and pelvis stay, and what it took. Then the body turned about the ball of a stan
 first and the last, either way: of those that are not refused the worst. Then whole clips with turns on the spot laid on
 a straight path by `follow`; and how far feet turn in captures while they stand, and how fast.
 
-python feet.py [--only 12_01] [--picture footprints.png]
+python feet.py [--only 12_01] [--picture footprints.png [--turn 135]]
 """
 
 from __future__ import annotations
@@ -178,38 +178,45 @@ def taken(strain: Strain, between: float) -> np.ndarray:
     return np.array([*(getattr(strain, name) for name in names), between, strain.pivoted, strain.pivot])
 
 
-def picture(file: Path) -> None:
-    """Footprints from above: a walk laid on a slalom, its feet carried along with it, and held."""
+def picture(file: Path, turn: float | None) -> None:
+    """Footprints from above: a walk laid on a slalom, or turned by so many degrees over one foot, its feet carried
+    along with it, and held."""
     source = clip("16_15")
-    both, listed, carry = legs(source), contacts(source), carry_onto(source, PATHS["slalom"])
+    both, listed = legs(source), contacts(source)
     names = source.skeleton.names
-    image = Image.new("RGB", (1240, 1500), "white")
+    balls = [contact for contact in listed if contact.joint in {names[leg.ball] for leg in both}]
+    carry = carry_onto(source, PATHS["slalom"]) if turn is None else carry_around(source, balls[3], turn)
+    shown = range(60, 360, 2) if turn is None else range(balls[3].first - 55, balls[3].last + 65, 2)
+    tall = 1500 if turn is None else 840
+    image = Image.new("RGB", (1240, tall), "white")
     pen, colours = ImageDraw.Draw(image), (((214, 102, 88), (246, 222, 218)), ((27, 73, 125), (214, 226, 240)))
     for panel, motion in enumerate((carried(source, carry), locked(source, carry, listed, both)[0])):
-        balls, heels = (centimetres(motion) * points[..., [0, 2]] for points in tracks(motion, both))
-        low = balls[:, 60:360].reshape(-1, 2).min(axis=0) - 25.0
-        for leg, ball, heel, (dark, light) in zip(both, balls, heels, colours, strict=True):
+        tops, heels = (centimetres(motion) * points[..., [0, 2]] for points in tracks(motion, both))
+        low = tops[:, shown].reshape(-1, 2).min(axis=0) - 25.0
+        for leg, ball, heel, (dark, light) in zip(both, tops, heels, colours, strict=True):
             stands = np.zeros(motion.frames, bool)
             for contact in listed:
                 if contact.joint == names[leg.ball]:
                     stands[contact.first : contact.last + 1] = True
-            for frame in sorted(range(60, 360, 2), key=lambda frame: stands[frame]):
+            for frame in sorted(shown, key=lambda frame: stands[frame]):
                 ends = [
-                    (620 * panel + 5.2 * (x - low[0]), 1480 - 5.2 * (z - low[1])) for x, z in (ball[frame], heel[frame])
+                    (620 * panel + 5.2 * (x - low[0]), tall - 20 - 5.2 * (z - low[1]))
+                    for x, z in (ball[frame], heel[frame])
                 ]
                 pen.line(ends, fill=dark if stands[frame] else light, width=4)
     with replacing(file) as stream:
-        image.resize((620, 750), Image.Resampling.LANCZOS).save(stream, "PNG", optimize=True)
+        image.resize((620, tall // 2), Image.Resampling.LANCZOS).save(stream, "PNG", optimize=True)
 
 
 def main() -> None:
     asked = argparse.ArgumentParser()
     asked.add_argument("--only", default="")
     asked.add_argument("--picture", type=Path)
+    asked.add_argument("--turn", type=float)
     given = asked.parse_args()
     only = given.only
     if given.picture is not None:
-        picture(given.picture)
+        picture(given.picture, given.turn)
         return
     warnings.simplefilter("ignore")  # no frame rate in Acclaim files
     print(f"{'clip':7}{'path':10}{COLUMNS}")
