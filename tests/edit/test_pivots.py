@@ -108,7 +108,7 @@ def test_a_foot_is_turned_against_the_body_by_what_is_comfortable(turn: float, s
     before = np.abs(angle - heading[20:140]).max()
     if before <= COMFORT:
         assert not made.angle.any()
-    assert np.abs(away).max() <= max(COMFORT, 0.5 * before) + 1e-9
+    assert np.abs(away).max() <= max(COMFORT, 0.6 * before) + 1e-9  # a fast turn leaves some to the landing
     assert not np.delete(made.angle, np.arange(20, 140)).any()
     assert made.whole[0] == pytest.approx(np.ptp(made.angle))
 
