@@ -258,7 +258,7 @@ def test_what_asks_too_much_of_the_legs_is_let_go_and_told(captured: Callable[[s
     ahead = np.linspace(0, 70, 40)
     told = r"the path asks too much of the legs: .*at frames \d+ to \d+.*steps about 0.\d+ times as long would do"
     with pytest.warns(UserWarning, match=told + r".*; \d of 10 contacts are let go, and slide"):
-        made = mc.follow(clip, mc.Path(np.stack([12 * np.sin(ahead / 4), ahead], axis=1)))
+        made = mc.follow(clip, mc.Path(np.stack([24 * np.sin(ahead / 4), ahead], axis=1)))
     feet = measured(made)["feet"]
     assert 0 < feet["released"] < 10
     assert feet["drop"] <= 2.5

@@ -14,6 +14,8 @@ import numpy as np
 
 from .. import planar, rotation
 from ._hinge import Hinge
+from ._joints import Joints
+from ._pivots import Pivots, pivots
 from ._stances import GROUND, Stances
 from ._swings import filled
 
@@ -26,19 +28,21 @@ BENDS = np.radians(6.0)  # flexion that is as bad
 class Prints:
     """The footprints of a leg: transforms (N, 3), angle, x, z, that take each stance of the source to where it is now;
     by how much (N,), cm, it is lifted; how far (N,), cm, the carries are from there, which is how far they may move;
-    and the rotation vectors (N, 2), about x and z, that lay soles along a slope, None on level ground. below: (N, 3)
-    what is under them in the source, as `_heights` has it, once it is known."""
+    the rotation vectors (N, 2), about x and z, that lay soles along a slope, None on level ground; and how feet turn on
+    the spot. below: (N, 3) what is under them in the source, as `_heights` has it, once it is known."""
 
     taken: np.ndarray
     lift: np.ndarray
     uneven: np.ndarray
+    pivots: Pivots
     tilt: np.ndarray | None = None
     below: np.ndarray | None = None
 
-    def cut(self, some: slice) -> Prints:
-        """Some of the stances."""
+    def cut(self, some: slice, span: slice) -> Prints:
+        """Some of the stances, in some of the frames."""
         tilt, below = (None if part is None else part[some] for part in (self.tilt, self.below))
-        return Prints(self.taken[some], self.lift[some], self.uneven[some], tilt, below)
+        turns = self.pivots.cut(span, some)
+        return Prints(self.taken[some], self.lift[some], self.uneven[some], turns, tilt, below)
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,11 +56,12 @@ class Targets:
     tilt: np.ndarray | None = None
 
 
-def prints(stances: Stances, carry: np.ndarray) -> Prints:
-    """Footprints where the body passes on the mean."""
+def prints(stances: Stances, carry: np.ndarray, joints: Joints, frame_time: float) -> Prints:
+    """Footprints where the body passes on the mean, turning on the spot where it turns too far for hip and ankle."""
     there = planar.move(carry, stances.places[np.maximum(stances.of, 0)]) if len(stances.spans) else None
     if there is None:
-        return Prints(np.zeros((0, 3)), np.zeros(0), np.zeros(0))
+        none = np.zeros(0)
+        return Prints(np.zeros((0, 3)), none, none, pivots(stances, none, carry[:, 0], joints, frame_time))
     angle = stances.mean(carry[:, :1])
     place = stances.mean(there)
     turned = planar.move(np.concatenate([angle, 0.0 * angle, 0.0 * angle], axis=1), stances.places)
@@ -66,7 +71,8 @@ def prints(stances: Stances, carry: np.ndarray) -> Prints:
     uneven = np.zeros(len(taken))
     inside = stances.of >= 0
     np.maximum.at(uneven, stances.of[inside], np.maximum(away, 10.0 * turns)[inside])  # a foot is 10 cm either way
-    return Prints(taken, np.zeros(len(taken)), uneven)
+    turns = pivots(stances, taken[:, 0], carry[:, 0], joints, frame_time)
+    return Prints(taken, np.zeros(len(taken)), uneven, turns)
 
 
 def targets(
@@ -88,13 +94,19 @@ def targets(
     away = np.zeros((len(pinned), 4))
     taken = prints.taken[stances.of[inside]]
     stands = np.exp(1j * taken[:, 0]) * place[inside] + taken[:, 2] + 1j * taken[:, 1]
+    yaws = taken[:, 0]
+    if prints.pivots.whole.any():
+        more, about = prints.pivots.angle[inside], _ground(stances.places[stances.of[inside]])
+        stands = stands + np.exp(1j * yaws) * (np.exp(1j * more) - 1.0) * (place[inside] - about)
+        yaws = yaws + more
     off = np.conj(turn[inside]) * (stands - shift[inside]) - place[inside]
-    away[inside, 0], away[inside, 1], away[inside, 2] = off.imag, off.real, taken[:, 0] - carry[inside, 0]
+    away[inside, 0], away[inside, 1], away[inside, 2] = off.imag, off.real, yaws - carry[inside, 0]
     lift = prints.lift[stances.of[inside]]
     away[inside, 3] = lift - carry[inside, 3]
     away = filled(away, stances.spans, frame_time)
+    away[~inside, 2] = prints.pivots.swung(away[:, 2])[~inside]
     there, yaw = turn * (place + away[:, 1] + 1j * away[:, 0]) + shift, carry[:, 0] + away[:, 2]
-    there[inside], yaw[inside] = stands, taken[:, 0]  # not by way of the body: a foot that stands is still
+    there[inside], yaw[inside] = stands, yaws  # not by way of the body: a foot that stands is still
     up, rise, tilt = np.exp(1j * yaw) * _ground(offset), offset[:, 1], None
     height = pinned[:, 1] + carry[:, 3] + away[:, 3]
     height[inside] = pinned[inside, 1] + lift

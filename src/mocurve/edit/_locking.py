@@ -24,6 +24,7 @@ from ._clearance import cleared
 from ._footprints import Prints, Targets, prints, relieved, targets
 from ._heights import LOWERS, Ground, Rise, flat
 from ._hinge import Hinge, hinge_of, reached
+from ._joints import Joints, joints_of
 from ._pelvis import Legs, beyond_reach, shifted
 from ._reach import Strain
 from ._stances import FAR, STILL, Stances, near, stances, wanted
@@ -36,7 +37,7 @@ ROUNDS, MOVING = 3, 2  # solutions of the pelvis, and after how many of them foo
 class Side:
     """What is known of one leg in the source: its joints, its bones and bends, where it stands; where its heel is, and
     from ball to ankle (F, 3), cm; which part of a slope's tilt the foot takes on, (F,); how the world sees the axes
-    (F, 4) of what carries the hip, and of what carries the ankle."""
+    (F, 4) of what carries the hip, and of what carries the ankle; what hip and ankle can do."""
 
     leg: Leg
     hinge: Hinge
@@ -46,12 +47,15 @@ class Side:
     flat: np.ndarray
     above: np.ndarray
     shank: np.ndarray
+    joints: Joints
 
     def cut(self, span: slice) -> tuple[Side, slice]:
         """Some of the frames, and which stances are in them."""
         stances, kept = self.stances.cut(span)
         parts = (part[span] for part in (self.heel, self.offset, self.flat, self.above, self.shank))
-        return Side(self.leg, self.hinge.cut(span), stances, *parts), kept
+        heel, offset, flat, above, shank = parts
+        hinge, joints = self.hinge.cut(span), self.joints.cut(span)
+        return Side(self.leg, hinge, stances, heel, offset, flat, above, shank, joints), kept
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +103,7 @@ def source_of(base: Motion, listed: Sequence[Contact], legs: Sequence[Leg]) -> S
     motion, scale = base[lead:], centimetres(base)
     inner = [replace(c, first=max(c.first - lead, 0), last=c.last - lead) for c in listed if c.last >= lead]
     places = scale * world(motion)
-    sides = tuple(_side(motion, leg, inner, places, scale) for leg in legs)
+    sides = tuple(_side(motion, pair, inner, places, scale) for pair in zip(legs, legs[::-1], strict=True))
     return Source(base, lead, scale, bearer(base.skeleton, _common(base, legs)), sides)
 
 
@@ -128,7 +132,7 @@ def held(
     ground = Ground(carry, None if rise is None else rise.cut(slice(lead, len(up))), source.scale, base.frame_time)
     if touched is not None:
         sides = tuple(replace(side, stances=side.stances.mending(touched[lead:])) for side in sides)
-    marks = [ground.raised(prints(side.stances, carry), side.stances) for side in sides]
+    marks = [ground.raised(prints(side.stances, carry, side.joints, base.frame_time), side.stances) for side in sides]
     changed = [side.stances.changed | (mark.uneven > STILL) for side, mark in zip(sides, marks, strict=True)]
     counts = sum(map(len, changed)), int(sum(map(np.sum, changed)))
     if not counts[1]:
@@ -138,32 +142,36 @@ def held(
     window = _context(sides, active)
     parts = [side.cut(window) for side in sides]
     sides = tuple(side for side, _ in parts)
-    marks = [mark.cut(kept) for mark, (_, kept) in zip(marks, parts, strict=True)]
+    marks = [mark.cut(kept, window) for mark, (_, kept) in zip(marks, parts, strict=True)]
     even = bool(np.abs(np.diff(carry, axis=0)).max(initial=0.0) < 1e-9)
     carry, moves, active, free = carry[window], moves[:, window], active[window], free[window]
     shift, aims, pulls, sinks = _solved(sides, marks, moves, ground.cut(window), ~free)
-    turns, short = _legs_set(sides, pulls, aims, shift, carry, active)
+    turns, taken = _legs_set(sides, pulls, aims, shift, carry, active)
     lead += window.start
     all_shift = (shift - sinks[:, None] * [0.0, 1.0, 0.0])[active] / source.scale
     made = set_anew(made, source.bearer, all_shift, turns, lead + np.flatnonzero(active))
     places = source.scale * world(made[lead : lead + len(carry)])
-    tracks = _taken(sides, aims, places, shift, carry[:, 0], moves, short)
-    strain = Strain.of(*counts, tracks, even, base.frame_time).later(lead)
+    tracks = taken | _taken(sides, marks, aims, places, shift, carry[:, 0], moves, base.frame_time)
+    wholes = np.concatenate([mark.pivots.whole for mark in marks])
+    strain = Strain.of(*counts, tracks, wholes, even, base.frame_time).later(lead)
     return made, replace(strain, sunk=float(sinks.max(initial=0.0)))
 
 
 # -- in call order ---------------------------------------------------------------------------------
 
 
-def _side(motion: Motion, leg: Leg, listed: Sequence[Contact], places: np.ndarray, scale: float) -> Side:
-    parents = motion.skeleton.parents
-    joints = [parents[leg.hip], leg.hip, parents[leg.knee], leg.knee, parents[leg.ankle], leg.ankle]
-    turned = world_rotations(motion, joints)
+def _side(motion: Motion, pair: tuple[Leg, Leg], listed: Sequence[Contact], places: np.ndarray, scale: float) -> Side:
+    """The first leg of a pair."""
+    leg, parents = pair[0], motion.skeleton.parents
+    above = [parents[leg.hip], leg.hip, parents[leg.knee], leg.knee, parents[leg.ankle], leg.ankle]
+    turned = world_rotations(motion, above)
     hinge = hinge_of(motion, leg, places, turned[:, [1, 2, 3, 5]])
     ball = places[:, leg.ball]
     heel = hinge.ankle + rotation.rotate(hinge.foot, scale * leg.heel)
     stood = _stood(motion, leg, ball, heel, listed, scale)
-    return Side(leg, hinge, stood, heel, hinge.ankle - ball, flat(ball, heel), turned[:, 0], turned[:, 4])
+    joints = joints_of(hinge, turned[:, 0], places[:, pair[1].hip], ball - heel, stood.of >= 0)
+    offset = hinge.ankle - ball
+    return Side(leg, hinge, stood, heel, offset, flat(ball, heel), turned[:, 0], turned[:, 4], joints)
 
 
 def _stood(
@@ -275,49 +283,54 @@ def _legs_set(
     shift: np.ndarray,
     carry: np.ndarray,
     active: np.ndarray,
-) -> tuple[dict[int, np.ndarray], np.ndarray]:
-    """Rotations (N, 4) of hips, knees and ankles against their parents at the active frames, and by how much (2, F),
-    cm, the ankles fall short."""
+) -> tuple[dict[int, np.ndarray], dict[str, np.ndarray]]:
+    """Rotations (N, 4) of hips, knees and ankles against their parents at the active frames; by how much (2, F), cm,
+    the ankles fall short, and by how many degrees hips and ankles go too far."""
     turns: dict[int, np.ndarray] = {}
-    short = np.zeros((len(sides), len(carry)))
+    short, far = np.zeros((len(sides), len(carry))), np.zeros((2, len(sides), len(carry)))
     within = slice(*(np.flatnonzero(active)[[0, -1]] + [0, 1]).tolist())
     some, heading = active[within], carry[within, 0]
     back = rotation.inv(planar.quaternion(carry[within]))
     for i, (side, pull, aim) in enumerate(zip(sides, pulls, aims, strict=True)):
         hinge, leg, yaw = side.hinge.cut(within), side.leg, aim.yaw[within]
         hip, goal = pull.hip[within] + shift[within], aim.ankle[within]
+        joints, turned = side.joints.cut(within), planar.quaternion(yaw[:, None])
         whole, knee, short[i, within] = reached(
-            hinge, hip, goal, yaw, heading, pull.wanted[within], side.stances.exact[within]
+            hinge, hip, goal, yaw, heading, pull.wanted[within], side.stances.exact[within], joints.share(yaw - heading)
         )
         above = rotation.mul(back, whole)
         bent = rotation.mul(knee, rotation.inv(hinge.knee))
         turns[leg.hip] = rotation.mul(rotation.inv(side.above[within]), rotation.mul(above, hinge.thigh))
         turns[leg.knee] = rotation.mul(knee, rotation.mul(rotation.inv(hinge.knee), hinge.shin))
         shin = rotation.mul(whole, rotation.mul(hinge.knee, bent))
-        foot = rotation.mul(planar.quaternion(yaw[:, None]), hinge.foot)
-        foot = foot if aim.tilt is None else rotation.mul(aim.tilt[within], foot)
+        turned = turned if aim.tilt is None else rotation.mul(aim.tilt[within], turned)
+        foot = rotation.mul(turned, hinge.foot)
         turns[leg.ankle] = rotation.mul(rotation.inv(rotation.mul(shin, side.shank[within])), foot)
-    return {joint: turned[some] for joint, turned in turns.items()}, short
+        far[:, i, within] = np.where(some, joints.beyond(above, shin, turned), 0.0)
+    swings = np.array([side.stances.of < 0 for side in sides])
+    taken = {"short": np.where(swings, np.abs(short), 0.0), "hip": far[0], "ankle": far[1]}
+    return {joint: local[some] for joint, local in turns.items()}, taken
 
 
 def _taken(
     sides: Sequence[Side],
+    marks: Sequence[Prints],
     aims: Sequence[Targets],
     places: np.ndarray,
     shift: np.ndarray,
     heading: np.ndarray,
     moves: np.ndarray,
-    short: np.ndarray,
+    frame_time: float,
 ) -> dict[str, np.ndarray]:
     """What was taken of each kind of `_reach.LIMITS` in every frame, (F,) or of both legs (2, F), measured on the
     places (F, J, 3), cm."""
     off = [np.linalg.norm(places[:, s.leg.ball] - aim.ball, axis=1) for s, aim in zip(sides, aims, strict=True)]
-    turned = [np.degrees(np.abs(aim.yaw - heading)) for aim in aims]
-    swings = np.array([side.stances.of < 0 for side in sides])
+    turned = [side.joints.more(aim.yaw - heading) for side, aim in zip(sides, aims, strict=True)]
+    speeds = [mark.pivots.speeds(side.stances, frame_time) for side, mark in zip(sides, marks, strict=True)]
     return {
         "drop": -shift[:, 1],
         "shift": np.linalg.norm(shift[:, [0, 2]], axis=1),
-        "twist": np.where(moves, turned, 0.0),
+        "twist": np.degrees(np.where(moves, turned, 0.0)),
+        "pivot": np.degrees(speeds),
         "miss": np.where(moves, off, 0.0),
-        "short": np.where(swings, np.abs(short), 0.0),
     }
