@@ -108,7 +108,9 @@ def test_a_foot_is_turned_against_the_body_by_what_is_comfortable(turn: float, s
     before = np.abs(angle - heading[20:140]).max()
     if before <= COMFORT:
         assert not made.angle.any()
-    assert np.abs(away).max() <= max(COMFORT, 0.6 * before) + 1e-9  # a fast turn leaves some to the landing
+    assert np.abs(away).max() <= max(COMFORT, before) + 1e-9
+    if start >= 30 and start + frames <= 130:  # not while the foot lands or leaves
+        assert np.abs(away).max() <= COMFORT + 1e-9
     assert not np.delete(made.angle, np.arange(20, 140)).any()
     assert made.whole[0] == pytest.approx(np.ptp(made.angle))
 

@@ -81,7 +81,7 @@ def _turn(spans, down, angles, heading, low, high, count, angle, whole):  # type
             angle[f] -= mean
             away = angles[i] - heading[f]
             over = away - high[f] if away > high[f] else min(away - low[f], 0.0)
-            if over * angle[f] < -1e-9:
+            if over * angle[f] < 0.0 and abs(over) < 2.0 * MOST * abs(angle[f]):  # else no turn helps there
                 part = max(part, -over / angle[f])
         part = min(part, MOST)
         least, most = 0.0, 0.0
