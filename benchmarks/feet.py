@@ -1,7 +1,9 @@
 """Captured walks and runs laid on other paths with their feet locked: how still the feet stand, how calm knees, ankles
-and pelvis stay, and what it took.
+and pelvis stay, and what it took. Then the body turned about the ball of a standing foot, over every contact but the
+first and the last, either way: of those that are not refused the worst. Then whole clips with turns on the spot laid on
+a straight path by `follow`; and how far feet turn in captures while they stand, and how fast.
 
-python feet.py [--only 12_01] [--picture footprints.png]
+python feet.py [--only 12_01] [--picture footprints.png [--turn 135]]
 """
 
 from __future__ import annotations
@@ -37,12 +39,23 @@ CLIPS = {
     "16_41": "cmu_16_41.amc",
     "02_03": "cmu_02_03.amc",
 }
+WHOLE = {  # jumps forth and back with turns on the spot; dances; fighting; a walk forwards, backwards and sideways
+    "01_01": "cmu_01_01_jump.bvh",
+    "05_20": "cmu_05_20_dance_motionbuilder.bvh",
+    "94_01": "cmu_94_01_dance_max.bvh",
+    "135_04": "cmu_135_04_martial_daz.bvh",
+    "09_12": "cmu_09_12.amc",
+}
+SPINS = (45.0, 90.0, 135.0)  # degrees
 STALL = 20.0  # cm/s: slower, the way has no heading of its own
-COLUMNS = "skate re-det    tip  ankle   heel kept% | knee  p99   rot   lin  pelv | drop shift twist  miss short   gap"
+COLUMNS = (
+    "skate re-det    tip  ankle   heel kept% | knee  p99   rot   lin  pelv | "
+    "drop shift twist  miss short  hip ankle   gap  pivot   deg/s"
+)
 
 
 def clip(name: str) -> mc.Motion:
-    path = folder() / "cmu" / CLIPS[name]
+    path = folder() / "cmu" / (CLIPS | WHOLE)[name]
     body: dict[str, Path] = {"skeleton": folder() / "cmu" / f"cmu_{name[:2]}.asf"} if path.suffix == ".amc" else {}
     motion = mc.read(path, **body)
     assert isinstance(motion, mc.Motion)
@@ -95,6 +108,14 @@ def carry_onto(motion: mc.Motion, heading: Callable[[np.ndarray], np.ndarray], s
     return np.column_stack([angle, (place - turned[:, [0, 2]]) / scale])
 
 
+def carry_around(motion: mc.Motion, contact: mc.Contact, degrees: float) -> np.ndarray:
+    """The planar transforms (F, 3) that turn a body about the place of a contact, while that lasts."""
+    u = np.clip((np.arange(motion.frames) - contact.first) / max(contact.last - contact.first, 1), 0.0, 1.0)
+    turn = np.column_stack([np.radians(degrees) * u**3 * (10.0 + u * (6.0 * u - 15.0)), 0.0 * u, 0.0 * u])
+    turn[:, 1:] = (np.array(contact.place) - planar.move(turn, np.array(contact.place)))[:, [0, 2]]
+    return turn
+
+
 # -- numbers ---------------------------------------------------------------------------------------
 def quickening(turns: np.ndarray) -> np.ndarray:
     """Angular acceleration (F - 2,) of rotations (F, 4), radians a frame a frame."""
@@ -145,47 +166,57 @@ def sliding(motion: mc.Motion, source: mc.Motion, listed: tuple, both: tuple[Leg
     return [own.speed, anew_speed, *others, heel.speed if heel else 0.0, 100.0 * own.kept]
 
 
-def row(name: str, path: str, slide: list[float], calm: np.ndarray, strain: Strain, between: float) -> str:
+def row(name: str, path: str, slide: np.ndarray, calm: np.ndarray, took: np.ndarray) -> str:
     first = f"{slide[0]:6.3f}{slide[1]:7.2f}{slide[2]:7.2f}{slide[3]:7.2f}{slide[4]:7.2f}{slide[5]:6.1f}"
     second = "".join(f"{value:6.2f}" for value in calm)
-    third = (
-        f"{strain.drop:6.2f}{strain.shift:6.2f}{strain.twist:6.1f}{strain.miss:6.3f}{strain.short:6.2f}{between:6.1f}"
-    )
-    return f"{name:7}{path:10}{first} |{second} |{third}"
+    third = f"{took[0]:6.2f}{took[1]:6.2f}{took[2]:6.1f}{took[3]:6.3f}{took[4]:6.2f}{took[5]:5.1f}{took[6]:6.1f}"
+    return f"{name:7}{path:10}{first} |{second} |{third}{took[7]:6.1f}{took[8]:7.1f}{took[9]:8.0f}"
 
 
-def picture(file: Path) -> None:
-    """Footprints from above: a walk laid on a slalom, its feet carried along with it, and held."""
+def taken(strain: Strain, between: float) -> np.ndarray:
+    names = ("drop", "shift", "twist", "miss", "short", "hip", "ankle")
+    return np.array([*(getattr(strain, name) for name in names), between, strain.pivoted, strain.pivot])
+
+
+def picture(file: Path, turn: float | None) -> None:
+    """Footprints from above: a walk laid on a slalom, or turned by so many degrees over one foot, its feet carried
+    along with it, and held."""
     source = clip("16_15")
-    both, listed, carry = legs(source), contacts(source), carry_onto(source, PATHS["slalom"])
+    both, listed = legs(source), contacts(source)
     names = source.skeleton.names
-    image = Image.new("RGB", (1240, 1500), "white")
+    balls = [contact for contact in listed if contact.joint in {names[leg.ball] for leg in both}]
+    carry = carry_onto(source, PATHS["slalom"]) if turn is None else carry_around(source, balls[3], turn)
+    shown = range(60, 360, 2) if turn is None else range(balls[3].first - 55, balls[3].last + 65, 2)
+    tall = 1500 if turn is None else 840
+    image = Image.new("RGB", (1240, tall), "white")
     pen, colours = ImageDraw.Draw(image), (((214, 102, 88), (246, 222, 218)), ((27, 73, 125), (214, 226, 240)))
     for panel, motion in enumerate((carried(source, carry), locked(source, carry, listed, both)[0])):
-        balls, heels = (centimetres(motion) * points[..., [0, 2]] for points in tracks(motion, both))
-        low = balls[:, 60:360].reshape(-1, 2).min(axis=0) - 25.0
-        for leg, ball, heel, (dark, light) in zip(both, balls, heels, colours, strict=True):
+        tops, heels = (centimetres(motion) * points[..., [0, 2]] for points in tracks(motion, both))
+        low = tops[:, shown].reshape(-1, 2).min(axis=0) - 25.0
+        for leg, ball, heel, (dark, light) in zip(both, tops, heels, colours, strict=True):
             stands = np.zeros(motion.frames, bool)
             for contact in listed:
                 if contact.joint == names[leg.ball]:
                     stands[contact.first : contact.last + 1] = True
-            for frame in sorted(range(60, 360, 2), key=lambda frame: stands[frame]):
+            for frame in sorted(shown, key=lambda frame: stands[frame]):
                 ends = [
-                    (620 * panel + 5.2 * (x - low[0]), 1480 - 5.2 * (z - low[1])) for x, z in (ball[frame], heel[frame])
+                    (620 * panel + 5.2 * (x - low[0]), tall - 20 - 5.2 * (z - low[1]))
+                    for x, z in (ball[frame], heel[frame])
                 ]
                 pen.line(ends, fill=dark if stands[frame] else light, width=4)
     with replacing(file) as stream:
-        image.resize((620, 750), Image.Resampling.LANCZOS).save(stream, "PNG", optimize=True)
+        image.resize((620, tall // 2), Image.Resampling.LANCZOS).save(stream, "PNG", optimize=True)
 
 
 def main() -> None:
     asked = argparse.ArgumentParser()
     asked.add_argument("--only", default="")
     asked.add_argument("--picture", type=Path)
+    asked.add_argument("--turn", type=float)
     given = asked.parse_args()
     only = given.only
     if given.picture is not None:
-        picture(given.picture)
+        picture(given.picture, given.turn)
         return
     warnings.simplefilter("ignore")  # no frame rate in Acclaim files
     print(f"{'clip':7}{'path':10}{COLUMNS}")
@@ -195,18 +226,91 @@ def main() -> None:
         source = clip(name)
         both, listed, speed = legs(source), contacts(source), slowness(source)
         own, ankles = joints_calm(source, both), sliding(source, source, listed, both, speed)
-        print(row(name, "source", ankles, own / own, Strain.none(0), gap(source, both)), flush=True)
+        nothing = taken(Strain.none(0), gap(source, both))
+        print(row(name, "source", np.array(ankles), own / own, nothing), flush=True)
         for path, heading in {"still": None, **PATHS}.items():
             carry = np.zeros((source.frames, 3)) if heading is None else carry_onto(source, heading)
             made, strain = locked(source, carry, listed, both)
-            calm = joints_calm(made, both) / own
-            unlocked = joints_calm(carried(source, carry), both)
-            calm[4] *= own[4] / unlocked[4]  # the pelvis as it was laid on the path
-            slide = sliding(made, source, listed, both, speed)
-            print(row(name, path, slide, calm, strain, gap(made, both)), flush=True)
+            print(row(name, path, *numbers(source, made, carry, strain)), flush=True)
             for problem in strain.problems:
                 print(f"{'':17}{problem.sentence(made.frame_time)}")
+        for degrees in SPINS:
+            print(*spun(name, source, degrees), flush=True)
+    wholes(only)
+    turning(only)
     timed(clip("09_12"))
+
+
+def numbers(source: mc.Motion, made: mc.Motion, carry: np.ndarray, strain: Strain) -> tuple[np.ndarray, ...]:
+    both, listed, speed = legs(source), contacts(source), slowness(source)
+    own, unlocked = joints_calm(source, both), joints_calm(carried(source, carry), both)
+    calm = joints_calm(made, both) / own
+    calm[4] *= own[4] / unlocked[4]  # the pelvis as it was laid on the path
+    return np.array(sliding(made, source, listed, both, speed)), calm, taken(strain, gap(made, both))
+
+
+def spun(name: str, source: mc.Motion, degrees: float) -> tuple[str, str]:
+    """A row of the worst of all turns by so much over one foot that are held, and how many are."""
+    both, listed = legs(source), contacts(source)
+    balls = [c for c in listed if c.joint in {source.skeleton.names[leg.ball] for leg in both}]
+    ready, found, tried = source_of(source, listed, both), [], 0
+    usual = {problem.kind for problem in held(ready, np.zeros((source.frames, 3)))[1].problems}
+    for contact in balls[1:-1]:
+        for angle in (degrees, -degrees):
+            carry, tried = carry_around(source, contact, angle), tried + 1
+            made, strain = held(ready, carry)
+            if {problem.kind for problem in strain.problems} <= usual:
+                found.append(numbers(source, made, carry, strain))
+    if not found:
+        return f"{name:7}spin {degrees:3.0f}", f"  0 of {tried} held"
+    slide, calm, took = (np.array(part) for part in zip(*found, strict=True))
+    worst, least = slide.max(axis=0), took.max(axis=0)
+    worst[5], least[7] = slide[:, 5].min(), took[:, 7].min()
+    return row(name, f"spin {degrees:3.0f}", worst, calm.max(axis=0), least), f"{len(found)} of {tried} held"
+
+
+def wholes(only: str) -> None:
+    """Whole clips with turns on the spot on a straight path."""
+    heads = "".join(f"{head:>9}" for head in ("contacts", "let go", "slide", "carried", "held", "pivots", "degrees"))
+    print(f"\n{'':17}{heads}{'drop':>7}{'shift':>7}{'knee':>7}{'p99':>6}")
+    for name in WHOLE:
+        if only not in name:
+            continue
+        motion = clip(name)
+        both, way = legs(motion), mc.Path([(0, 0), (0, mc.Path.of(motion).length)])
+        for heading in ("tangent", "facing"):
+            made = mc.follow(motion, way, heading=heading)
+            feet = made.history[-1]["measured"]["feet"]
+            calm = joints_calm(made, both) / joints_calm(motion, both)
+            told = f"{feet['contacts']:9}{feet['released']:9}{feet['speed_own']:9.1f}{feet['speed_slid']:9.1f}"
+            told += (
+                f"{feet['speed']:9.2f}{feet['pivots']:9}{feet['pivoted']:9.0f}{feet['drop']:7.2f}{feet['shift']:7.2f}"
+            )
+            print(f"{name:7}{heading:10}{told}{calm[0]:7.2f}{calm[1]:6.2f}", flush=True)
+
+
+def turning(only: str) -> None:
+    """How far feet turn in one contact of the ball, over the ground and against the body, and how fast, over 40 ms."""
+    print(f"\n{'':17}{'contacts':>9}{'over the ground, median, most':>32}{'deg/s':>7}{'against the body':>22}")
+    for name in CLIPS | WHOLE:
+        if only not in name:
+            continue
+        motion = clip(name)
+        both, step = legs(motion), max(1, round(0.04 / motion.frame_time))
+        places, (balls, heels) = kinematics.world(motion), tracks(motion, both)
+        across = places[:, both[0].hip] - places[:, both[1].hip]
+        body = np.unwrap(np.arctan2(across[:, 0], across[:, 2]))
+        found = []
+        for leg, way in zip(both, balls - heels, strict=True):
+            foot = np.unwrap(np.arctan2(way[:, 0], way[:, 2]))
+            for contact in contacts(motion):
+                if contact.joint == motion.skeleton.names[leg.ball]:
+                    span = slice(contact.first, contact.last + 1)
+                    speed = np.abs(foot[span][step:] - foot[span][:-step]).max(initial=0.0) / (step * motion.frame_time)
+                    found.append((np.ptp(foot[span]), speed, np.ptp((foot - body)[span])))
+        turn, speed, against = np.degrees(np.array(found)).T
+        told = f"{len(found):9}{np.median(turn):25.0f}{turn.max():7.0f}{speed.max():7.0f}"
+        print(f"{name:17}{told}{np.median(against):15.0f}{against.max():7.0f}", flush=True)
 
 
 def timed(motion: mc.Motion) -> None:

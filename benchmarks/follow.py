@@ -9,8 +9,10 @@ to be. What follows is the worst of the five paths: the largest step and second 
 how fast the balls of the feet slide in contact in the clip and carried (cm/s); then held, the contacts let go, and how
 far the hips go down for it (cm), the worst of four paths, and on the slalom, whose bends have a radius of 17 cm.
 Slopes: how far balls in contact are from the slope at most, beside their height over the floor of the clip, each foot
-on it and the body lifted (cm). Times are medians of processor times of a clip made ready once; they hold the edit and
-the places of all joints at the frames that changed.
+on it and the body lifted (cm); how far heels are; how fast balls slide (cm/s), contacts let go, how far the hips go
+down and aside for it, and down because the slope asks for it (cm), and the knees' angular acceleration, largest and
+99th percentile, times the clip's. Times are medians of processor times of a clip made ready once; they hold the edit
+and the places of all joints at the frames that changed.
 """
 
 from __future__ import annotations
@@ -28,9 +30,9 @@ import numpy as np
 from clips import folder
 
 import mocurve as mc
-from mocurve import planar
+from mocurve import planar, rotation
 from mocurve.feet.legs import Leg, legs, tracks
-from mocurve.kinematics import world
+from mocurve.kinematics import rotations, world
 from mocurve.path_fit import gone
 from mocurve.path_length import NODES
 
@@ -43,7 +45,7 @@ MOVED = np.array([2.0, 30.0, -70.0])
 LIMITS = {"span": 16.0, "whole": 60.0}  # ms: a frame of a screen, and what still feels direct
 FRAMES = 5000
 DEGREES = (2, 4, 13, 45)
-SLOPES = (0.1, 0.2, -0.05, -0.1)
+SLOPES = (0.1, 0.2, -0.05, -0.1, -0.2)
 
 
 def clip(name: str) -> mc.Motion:
@@ -174,29 +176,47 @@ def jumps(places: np.ndarray) -> np.ndarray:
 
 def slopes() -> None:
     """A walk or run on straight ramps: each foot on them, and lifted as a whole."""
-    heads = "".join(f"{head:>9}" for head in ("off", "lifted", "slide", "let go", "drop", "aside"))
+    told = ("off", "lifted", "heels", "lifted", "slide", "let go", "drop", "aside", "sunk", "knee", "p99")
+    heads = "".join(f"{head:>9}" for head in told)
     print(f"\n{'slopes, cm':20}{heads}")
     for name in CLIPS[:5]:
         motion = clip(name)
         edit, both = mc.PathEdit.of(motion), legs(motion)
+        calm = knees(motion, both)
         for slope in SLOPES:
             ramp = mc.Path([(0.0, 0.0, 0.0), (0.0, 100.0 * slope, 100.0)])
             made, lifted = edit.laid(ramp), edit.laid(ramp, posture="lift")
             away = [over(part, motion, both, slope) for part in (made, lifted)]
             feet = made.history[-1]["measured"]["feet"]
-            told = f"{away[0]:9.3f}{away[1]:9.2f}{feet['speed']:9.2f}{feet['released']:9}"
-            print(f"{name:10}{100 * slope:8.0f} %{told}{feet['drop']:9.2f}{feet['shift']:9.2f}", flush=True)
+            told = f"{away[0][0]:9.3f}{away[1][0]:9.2f}{away[0][1]:9.2f}{away[1][1]:9.2f}"
+            told += (
+                f"{feet['speed']:9.2f}{feet['released']:9}{feet['drop']:9.2f}{feet['shift']:9.2f}{feet['sunk']:9.2f}"
+            )
+            told += "".join(f"{part:9.2f}" for part in knees(made, both) / calm)
+            print(f"{name:10}{100 * slope:8.0f} %{told}", flush=True)
 
 
-def over(made: mc.Motion, motion: mc.Motion, both: tuple[Leg, ...], slope: float) -> float:
-    """How far balls in contact are from a slope at most, beside how high they are in the clip."""
-    worst = 0.0
-    for leg, now, own in zip(both, tracks(made, both)[0], tracks(motion, both)[0], strict=True):
-        for contact in mc.contacts(motion):
-            if contact.joint == motion.skeleton.names[leg.ball]:
-                span = slice(contact.first, contact.last + 1)
-                worst = max(worst, float(np.abs(now[span, 1] - slope * now[span, 2] - own[span, 1]).max()))
-    return CM * worst
+def over(made: mc.Motion, motion: mc.Motion, both: tuple[Leg, ...], slope: float) -> list[float]:
+    """How far balls, and heels, in contact are from a slope at most, beside how high they are in the clip."""
+    worst, listed, names = [0.0, 0.0], mc.contacts(motion), motion.skeleton.names
+    for part, (ways, own_ways) in enumerate(zip(tracks(made, both), tracks(motion, both), strict=True)):
+        for leg, now, own in zip(both, ways, own_ways, strict=True):
+            for contact in listed:
+                if contact.joint == names[leg.ankle if part else leg.ball]:
+                    span = slice(contact.first, contact.last + 1)
+                    away = np.abs(now[span, 1] - slope * now[span, 2] - own[span, 1])
+                    worst[part] = max(worst[part], CM * float(away.max()))
+    return worst
+
+
+def knees(motion: mc.Motion, both: tuple[Leg, ...]) -> np.ndarray:
+    """Largest and 99th percentile of the knees' angular acceleration."""
+    turned, found = rotations(motion), []
+    for leg in both:
+        turns = turned[:, leg.knee]
+        steps = rotation.log(rotation.mul(rotation.inv(turns[:-1]), turns[1:]))
+        found.append(np.linalg.norm(np.diff(steps, axis=0), axis=1))
+    return np.array([np.max(found), np.percentile(found, 99)])
 
 
 def latency(rounds: int) -> None:

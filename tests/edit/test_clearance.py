@@ -19,7 +19,9 @@ def stood(spans: list[list[int]]) -> Stances:
         of[first:end] = i
     none = np.zeros((FRAMES, 3))
     few = np.zeros(len(spans), bool)
-    return Stances(np.array(spans), of, none[: len(spans)], few, few, none, none, none[:, 0], none[:, 0])
+    return Stances(
+        np.array(spans), of, none[: len(spans)], few, few, none, none, none[:, 0], none[:, 0], np.array(spans)
+    )
 
 
 def foot(x: float, z: np.ndarray) -> Targets:

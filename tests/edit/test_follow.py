@@ -15,7 +15,7 @@ import mocurve as mc
 from mocurve import planar
 from mocurve.edit._locking import Source
 from mocurve.edit.path_edit import PathEdit
-from mocurve.feet.legs import legs, tracks
+from mocurve.feet.legs import legs
 from mocurve.feet.skate import skate
 from mocurve.kinematics import world
 from mocurve.path import Path
@@ -243,7 +243,7 @@ def test_what_asks_too_much_of_the_legs_is_let_go_and_told(captured: Callable[[s
     ahead = np.linspace(0, 70, 40)
     told = r"the path asks too much of the legs: .*at frames \d+ to \d+.*steps about 0.\d+ times as long would do"
     with pytest.warns(UserWarning, match=told + r".*; \d of 10 contacts are let go, and slide"):
-        made = mc.follow(clip, mc.Path(np.stack([12 * np.sin(ahead / 4), ahead], axis=1)))
+        made = mc.follow(clip, mc.Path(np.stack([24 * np.sin(ahead / 4), ahead], axis=1)))
     feet = measured(made)["feet"]
     assert 0 < feet["released"] < 10
     assert feet["drop"] <= 2.5
@@ -317,54 +317,7 @@ def test_what_was_laid_by_a_clip_made_ready_can_be_run_again() -> None:
         assert again.sample().values.tobytes() == made.values.tobytes()
 
 
-# -- slopes --------------------------------------------------------------------------------------
-def ramp(length: float, slope: float) -> mc.Path:
-    return mc.Path([(0, 0, 0), (0, slope * length, length)])
-
-
-@pytest.mark.parametrize("height", [0.0, 12.0])
-def test_on_a_level_path_with_heights_feet_are_lifted_as_the_body_is(
-    height: float, captured: Callable[[str], mc.Motion]
-) -> None:
-    clip = captured("02_01_walk_blender")
-    edit = PathEdit.of(clip)
-    level = mc.Path([(0, height, 0), (0, height, 100)])
-    each, lifted, flat = edit.laid(level), edit.laid(level, posture="lift"), edit.laid(mc.Path([(0, 0), (0, 100)]))
-    assert off(each, lifted) < 1e-9
-    np.testing.assert_allclose(world(each), world(flat) + np.array([0, height, 0]), atol=1e-9)
-
-
-@pytest.mark.parametrize(("name", "slope"), [("12_01_walk", 0.2), ("02_01_walk_blender", 0.1), ("12_01_walk", -0.05)])
-def test_on_a_slope_every_foot_stands_on_it(name: str, slope: float, captured: Callable[[str], mc.Motion]) -> None:
-    clip = captured(name)[1:]
-    hill = ramp(100, slope)
-    edit = PathEdit.of(clip)
-    made, lifted = edit.laid(hill), edit.laid(hill, posture="lift")
-    told = measured(made)["feet"]
-    assert told["released"] == 0
-    assert told["speed"] < 0.01
-    both, scale = legs(clip), 5.6444
-    own, now, level = (tracks(motion, both)[0] for motion in (clip, made, lifted))
-    for leg, before, after, rode in zip(both, own, now, level, strict=True):
-        for contact in mc.contacts(clip):
-            span = slice(contact.first, contact.last + 1)
-            if contact.joint != clip.skeleton.names[leg.ball]:
-                continue
-            over = after[span, 1] - slope * after[span, 2]
-            assert scale * np.abs(over - before[span, 1]).max() < 0.01
-            floats = rode[span, 1] - slope * rode[span, 2]
-            assert scale * np.abs(floats - before[span, 1]).max() > 40 * abs(slope) * 0.3  # a body that is lifted
-    assert edges(made) < 1.1 * edges(clip)
-
-
-def test_a_path_too_steep_to_stand_on_lifts_the_body_and_says_so(captured: Callable[[str], mc.Motion]) -> None:
-    clip = captured("02_01_walk_blender")
-    with pytest.warns(UserWarning, match="steeper than 45 degrees: feet are lifted as the body is"):
-        made = mc.follow(clip, ramp(100, 1.2))
-    lifted = mc.follow(clip, ramp(100, 1.2), posture="lift")
-    np.testing.assert_allclose(world(made), world(lifted), atol=1e-9)
-
-
+# -- bodies --------------------------------------------------------------------------------------
 def test_a_body_without_knees_is_carried_and_that_is_said() -> None:
     clip = walking()
     with pytest.warns(UserWarning, match="feet are not held: "):

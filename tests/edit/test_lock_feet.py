@@ -176,6 +176,17 @@ def far(clip: mc.Motion, away: float) -> list[Contact]:
     return listed
 
 
+@pytest.mark.parametrize(("name", "body"), [("cmu_09_12.amc", "cmu_09.asf"), ("cmu_135_04_martial_daz.bvh", None)])
+@pytest.mark.filterwarnings("ignore:.*no frame rate")
+def test_feet_that_shake_as_they_land_do_not_pull_the_hips_aside(clips: Path, name: str, body: str | None) -> None:
+    motion = mc.read(clips / "cmu" / name, skeleton=body and clips / "cmu" / body)
+    measured = mc.lock_feet(motion).history[-1]["measured"]
+    assert measured["kept"] >= 0.99
+    assert measured["speed"] < 0.01
+    assert measured["drop"] < 2.0
+    assert measured["shift"] < 3.5
+
+
 def test_a_foot_out_of_reach_is_refused_with_its_frames(clip: mc.Motion) -> None:
     with pytest.raises(
         OptionError, match=r"feet cannot be held: .* at frames \d+ to \d+, .* s.* with the option release"

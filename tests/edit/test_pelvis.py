@@ -9,7 +9,7 @@ import pytest
 
 import mocurve as mc
 from mocurve.edit._hinge import Hinge, hinge_of
-from mocurve.edit._pelvis import BENDS, HURRIES, QUICKENS, SIDEWAYS, UP, Legs, shifted
+from mocurve.edit._pelvis import BENDS, HURRIES, JERKS, QUICKENS, SIDEWAYS, UP, Legs, around, beyond_reach, shifted
 from mocurve.feet.legs import centimetres, legs
 from mocurve.kinematics import world, world_rotations
 
@@ -58,17 +58,31 @@ def test_the_band_is_the_dense_least_squares(hinges: list[Hinge]) -> None:
         length = np.linalg.norm(to, axis=1)
         bend, slope = leg.hinge.bend(length)
         lines = np.einsum("kfa,fa->fk", unit, to * (slope / length)[:, None])
-        off = leg.wanted - bend + lines @ at.ravel()
+        off, now = leg.wanted - bend + lines @ at.ravel(), bend - leg.wanted
         for f in range(frames):
             if leg.weight[f] > 0:
                 add(lines[f], off[f], BENDS / np.sqrt(leg.weight[f]))
             if 0 < f < frames - 1:
-                tolerance = QUICKENS * DT**2 / np.sqrt(leg.weight[f]) if leg.weight[f] else np.inf
+                jerk = abs(now[f - 1] - 2 * now[f] + now[f + 1]) / (QUICKENS * DT**2)
+                weight = leg.weight[f] * min(1.0, JERKS / jerk)
+                tolerance = QUICKENS * DT**2 / np.sqrt(weight) if weight else np.inf
                 add(lines[f - 1] - 2 * lines[f] + lines[f + 1], off[f - 1] - 2 * off[f] + off[f + 1], tolerance)
     expected = np.linalg.lstsq(np.array(rows), np.array(right), rcond=None)[0].reshape(frames, 3)
     found = shifted(pulls, at, none, DT)
     assert np.abs(expected).max() > 0.1
     np.testing.assert_allclose(found, expected, atol=1e-8)
+
+
+def test_what_shakes_for_a_frame_does_not_pull_the_hips_away(hinges: list[Hinge]) -> None:
+    calm = pulling(hinges)
+    none = np.zeros(len(hinges[0].hip), bool)
+    usual = shifted(calm, np.zeros_like(hinges[0].hip), none, DT)
+    away = []
+    for size in (1.0, 4.0):
+        for _, target in (shaken := [(leg, target.copy()) for leg, target in calm]):
+            target[20, 1] += size
+        away.append(np.abs(shifted(shaken, np.zeros_like(hinges[0].hip), none, DT) - usual).max())
+    assert 0.1 < away[1] < 2.0 * away[0]  # far less than in proportion
 
 
 def test_feet_where_they_are_shift_nothing(hinges: list[Hinge]) -> None:
@@ -87,3 +101,31 @@ def test_where_it_is_fixed_the_pelvis_stays(hinges: list[Hinge]) -> None:
     assert not found[fixed].any()
     assert np.abs(found[~fixed]).max() > 0.1
     assert np.abs(found[12]).max() < 0.1 * np.abs(found).max()
+
+
+def test_hips_are_lowered_smoothly_and_only_as_far_as_a_leg_is_too_short(hinges: list[Hinge]) -> None:
+    frames = len(hinges[0].hip)
+    stands, none = np.ones((2, frames), bool), np.zeros((frames, 3))
+    pulls = [(Legs(h, h.hip, np.abs(h.flexion), np.ones(frames)), h.ankle.copy()) for h in hinges]
+    assert not beyond_reach(pulls, none, stands, DT).any()  # as they are they reach
+    pulls[1][1][20:24, 1] -= 40.0
+    lower = beyond_reach(pulls, none, stands, DT)
+    assert lower.min() >= 0.0 < lower[20:24].min()
+    assert np.abs(np.diff(lower, 3)).max() < 0.02 * lower.max()
+    assert not lower[20 + 3 + 36 :].any()
+    for leg, ankle in pulls:
+        straight = leg.hinge.length(np.zeros(frames))
+        assert (np.linalg.norm(leg.hip - lower[:, None] * [0, 1, 0] - ankle, axis=1) <= straight + 1e-9).all()
+    assert not beyond_reach(pulls, none, np.zeros((2, frames), bool), DT).any()  # no foot stands there
+
+
+def test_around_is_above_every_need_and_nothing_far_away() -> None:
+    need = np.zeros(200)
+    need[[90, 100]] = 2.0, -1.0
+    found = around(need, 20)
+    assert (found >= need - 1e-12).all()
+    assert found.min() >= 0.0
+    assert found[90] == pytest.approx(2.0)
+    assert found.max() <= 2.0 + 1e-12
+    assert not found[:50].any()
+    assert not found[131:].any()

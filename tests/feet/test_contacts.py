@@ -85,6 +85,17 @@ def test_hysteresis_short_gaps_are_closed_and_short_contacts_dropped() -> None:
     assert found((slow, 7)) == []
 
 
+def test_a_foot_that_shakes_as_it_lands_does_not_stand_yet() -> None:
+    wobble = 3.0 * (np.arange(151) % 2)  # cm, there and back: on the mean it goes nowhere
+    clip = walk_left()
+    shaken = clip.values.copy()
+    shaken[100:110, 6] += wobble[100:110]
+    usual, found = left(contacts(clip)), left(contacts(replace(clip, values=shaken)))
+    assert usual[1][0] < 104
+    assert found == [usual[0], (110, 150)]
+    assert left(contacts(stepping(wobble, 0.0 * wobble))) == [(0, 150)]  # one that always shakes has no better part
+
+
 def test_what_is_held_still_tells_its_own_contact() -> None:
     pace = np.concatenate([[12.0] * 30, [0.0] * 40, [12.0] * 30])
     ahead = np.concatenate([[0.0], np.cumsum(pace)]) / FPS

@@ -9,6 +9,8 @@ around it.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from .._jit import kernel
@@ -38,7 +40,7 @@ def cleared(
     source = (before[0].ankle, before[0].ball, before[1].ankle, before[1].ball)
     longest, hurry = int(2.0 * REACH / frame_time), HURRY * frame_time**2
     _clear(heading, feet, source, stances[0].spans, stances[1].of, longest, hurry)
-    return Targets(ball, ankle, own.yaw)
+    return replace(own, ball=ball, ankle=ankle)
 
 
 # -- in call order ---------------------------------------------------------------------------------

@@ -95,12 +95,14 @@ def reached(
     heading: np.ndarray,
     wanted: np.ndarray,
     exact: np.ndarray,
+    swivel: float | np.ndarray = SWIVEL,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The leg from hips (F, 3) to ankle targets (F, 3): the turn of the whole leg as the world sees it (F, 4), the turn
     of the knee in the frame of what carries it (F, 4), and by how much (F,), cm, the ankle falls short.
 
     yaw, heading: (F,) by how much the foot and the body are turned against the source. wanted: (F,) flexion. exact:
     (F,) 1 where the target is reached to the last digit, 0 where the knee is damped instead of snapping straight.
+    swivel: part, or parts (F,), of the foot's extra turn that the whole leg makes.
     """
     to = target - hip
     length = np.linalg.norm(to, axis=1)
@@ -113,7 +115,7 @@ def reached(
     # a knee that bends the other way in the source, by noise, does so still where nothing is asked of it
     flexion = np.maximum(flexion, np.minimum(LEAST, wanted))
     knee = rotation.exp((flexion - hinge.flexion)[:, None] * hinge.axis)
-    turned = _about_y(heading + SWIVEL * (yaw - heading))
+    turned = _about_y(heading + swivel * (yaw - heading))
     now = rotation.rotate(rotation.mul(turned, hinge.knee), rotation.rotate(knee, hinge.q) - hinge.p)
     leg = rotation.mul(_shortest(now, to), turned)
     return leg, knee, length - hinge.length(flexion)

@@ -22,9 +22,10 @@ from ..motion import Motion
 from ._body import bearer, carried, set_anew
 from ._clearance import cleared
 from ._footprints import Prints, Targets, prints, relieved, targets
-from ._heights import Ground, Rise
+from ._heights import LOWERS, Ground, Rise, flat
 from ._hinge import Hinge, hinge_of, reached
-from ._pelvis import UP, Legs, shifted
+from ._joints import Joints, joints_of
+from ._pelvis import Legs, beyond_reach, shifted
 from ._reach import Strain
 from ._stances import FAR, STILL, Stances, near, stances, wanted
 from ._swings import REACH
@@ -35,22 +36,26 @@ ROUNDS, MOVING = 3, 2  # solutions of the pelvis, and after how many of them foo
 @dataclass(frozen=True, eq=False)
 class Side:
     """What is known of one leg in the source: its joints, its bones and bends, where it stands; where its heel is, and
-    from ball to ankle (F, 3), cm; how the world sees the axes (F, 4) of what carries the hip, and of what carries the
-    ankle."""
+    from ball to ankle (F, 3), cm; which part of a slope's tilt the foot takes on, (F,); how the world sees the axes
+    (F, 4) of what carries the hip, and of what carries the ankle; what hip and ankle can do."""
 
     leg: Leg
     hinge: Hinge
     stances: Stances
     heel: np.ndarray
     offset: np.ndarray
+    flat: np.ndarray
     above: np.ndarray
     shank: np.ndarray
+    joints: Joints
 
     def cut(self, span: slice) -> tuple[Side, slice]:
         """Some of the frames, and which stances are in them."""
         stances, kept = self.stances.cut(span)
-        parts = (part[span] for part in (self.heel, self.offset, self.above, self.shank))
-        return Side(self.leg, self.hinge.cut(span), stances, *parts), kept
+        parts = (part[span] for part in (self.heel, self.offset, self.flat, self.above, self.shank))
+        heel, offset, flat, above, shank = parts
+        hinge, joints = self.hinge.cut(span), self.joints.cut(span)
+        return Side(self.leg, hinge, stances, heel, offset, flat, above, shank, joints), kept
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +103,7 @@ def source_of(base: Motion, listed: Sequence[Contact], legs: Sequence[Leg]) -> S
     motion, scale = base[lead:], centimetres(base)
     inner = [replace(c, first=max(c.first - lead, 0), last=c.last - lead) for c in listed if c.last >= lead]
     places = scale * world(motion)
-    sides = tuple(_side(motion, leg, inner, places, scale) for leg in legs)
+    sides = tuple(_side(motion, pair, inner, places, scale) for pair in zip(legs, legs[::-1], strict=True))
     return Source(base, lead, scale, bearer(base.skeleton, _common(base, legs)), sides)
 
 
@@ -127,7 +132,7 @@ def held(
     ground = Ground(carry, None if rise is None else rise.cut(slice(lead, len(up))), source.scale, base.frame_time)
     if touched is not None:
         sides = tuple(replace(side, stances=side.stances.mending(touched[lead:])) for side in sides)
-    marks = [ground.raised(prints(side.stances, carry), side.stances) for side in sides]
+    marks = [ground.raised(prints(side.stances, carry, side.joints, base.frame_time), side.stances) for side in sides]
     changed = [side.stances.changed | (mark.uneven > STILL) for side, mark in zip(sides, marks, strict=True)]
     counts = sum(map(len, changed)), int(sum(map(np.sum, changed)))
     if not counts[1]:
@@ -137,31 +142,36 @@ def held(
     window = _context(sides, active)
     parts = [side.cut(window) for side in sides]
     sides = tuple(side for side, _ in parts)
-    marks = [mark.cut(kept) for mark, (_, kept) in zip(marks, parts, strict=True)]
+    marks = [mark.cut(kept, window) for mark, (_, kept) in zip(marks, parts, strict=True)]
     even = bool(np.abs(np.diff(carry, axis=0)).max(initial=0.0) < 1e-9)
     carry, moves, active, free = carry[window], moves[:, window], active[window], free[window]
-    shift, aims, pulls, takes = _solved(sides, marks, moves, ground.cut(window), ~free)
-    turns, short = _legs_set(sides, pulls, aims, shift, carry, active)
+    shift, aims, pulls, sinks = _solved(sides, marks, moves, ground.cut(window), ~free)
+    turns, taken = _legs_set(sides, pulls, aims, shift, carry, active)
     lead += window.start
-    made = set_anew(made, source.bearer, shift[active] / source.scale, turns, lead + np.flatnonzero(active))
+    all_shift = (shift - sinks[:, None] * [0.0, 1.0, 0.0])[active] / source.scale
+    made = set_anew(made, source.bearer, all_shift, turns, lead + np.flatnonzero(active))
     places = source.scale * world(made[lead : lead + len(carry)])
-    tracks = _taken(sides, aims, places, shift, carry[:, 0], moves, short)
-    tracks["drop"] = tracks["drop"] - takes
-    return made, Strain.of(*counts, tracks, even, base.frame_time).later(lead)
+    tracks = taken | _taken(sides, marks, aims, places, shift, carry[:, 0], moves, base.frame_time)
+    wholes = np.concatenate([mark.pivots.whole for mark in marks])
+    strain = Strain.of(*counts, tracks, wholes, even, base.frame_time).later(lead)
+    return made, replace(strain, sunk=float(sinks.max(initial=0.0)))
 
 
 # -- in call order ---------------------------------------------------------------------------------
 
 
-def _side(motion: Motion, leg: Leg, listed: Sequence[Contact], places: np.ndarray, scale: float) -> Side:
-    parents = motion.skeleton.parents
-    joints = [parents[leg.hip], leg.hip, parents[leg.knee], leg.knee, parents[leg.ankle], leg.ankle]
-    turned = world_rotations(motion, joints)
+def _side(motion: Motion, pair: tuple[Leg, Leg], listed: Sequence[Contact], places: np.ndarray, scale: float) -> Side:
+    """The first leg of a pair."""
+    leg, parents = pair[0], motion.skeleton.parents
+    above = [parents[leg.hip], leg.hip, parents[leg.knee], leg.knee, parents[leg.ankle], leg.ankle]
+    turned = world_rotations(motion, above)
     hinge = hinge_of(motion, leg, places, turned[:, [1, 2, 3, 5]])
     ball = places[:, leg.ball]
     heel = hinge.ankle + rotation.rotate(hinge.foot, scale * leg.heel)
     stood = _stood(motion, leg, ball, heel, listed, scale)
-    return Side(leg, hinge, stood, heel, hinge.ankle - ball, turned[:, 0], turned[:, 4])
+    joints = joints_of(hinge, turned[:, 0], places[:, pair[1].hip], ball - heel, stood.of >= 0)
+    offset = hinge.ankle - ball
+    return Side(leg, hinge, stood, heel, offset, flat(ball, heel), turned[:, 0], turned[:, 4], joints)
 
 
 def _stood(
@@ -215,32 +225,38 @@ def _context(sides: Sequence[Side], active: np.ndarray) -> slice:
 def _solved(
     sides: Sequence[Side], marks: Sequence[Prints], moves: np.ndarray, ground: Ground, fixed: np.ndarray
 ) -> tuple[np.ndarray, list[Targets], list[Legs], np.ndarray]:
-    """The shift of the pelvis (F, 3), cm, where the feet are to be, how the legs pull, and how far (F,) a slope takes
-    the hips down. moves: (2, F) frames in which a foot stands anew."""
+    """The shift of the pelvis (F, 3), cm, where the feet are to be, how the legs pull, and how far (F,) a slope has
+    taken the hips down before. moves: (2, F) frames in which a foot stands anew."""
     marks, shift = list(marks), np.zeros((len(fixed), 3))
     pinned = [side.stances.pinned(ground.frame_time) for side in sides]
     aims = _aims(sides, marks, pinned, ground)
-    pulls = [_pull(*part, ground) for part in zip(sides, aims, pinned, moves, strict=True)]
-    takes = ground.takes(pulls, aims, moves)
-    up = UP + takes.max(initial=0.0)
+    inner = 1.0 - near(fixed, ground.frame_time, LOWERS)
+    moved = [ground.moved(aim, ball, side.offset) for side, aim, ball in zip(sides, aims, pinned, strict=True)]
+    legs = [(side.hinge, aim.ankle, away) for side, aim, away in zip(sides, aims, moved, strict=True)]
+    sinks = inner * ground.sinks(legs, moves)
+    pulls = [_pull(*part, ground, sinks) for part in zip(sides, moved, moves, strict=True)]
     for turn in range(ROUNDS):
         pairs = [(pull, aim.ankle) for pull, aim in zip(pulls, aims, strict=True)]
-        shift = shifted(pairs, shift, fixed, ground.frame_time, up)
+        shift = shifted(pairs, shift, fixed, ground.frame_time)
         if turn < MOVING:
             marks = [
                 ground.raised(relieved(mark, s.stances, s.hinge, pull.hip + shift, aim.ankle, pull.wanted), s.stances)
                 for mark, s, aim, pull in zip(marks, sides, aims, pulls, strict=True)
             ]
             aims = _aims(sides, marks, pinned, ground)
-    return shift, aims, pulls, takes
+    pairs = [(pull, aim.ankle) for pull, aim in zip(pulls, aims, strict=True)]
+    shift[:, 1] -= inner * beyond_reach(pairs, shift, moves, ground.frame_time)
+    return shift, aims, pulls, sinks
 
 
-def _pull(side: Side, aim: Targets, pinned: np.ndarray, changed: np.ndarray, ground: Ground) -> Legs:
-    """How a leg with these changed stances (F,) pulls at the body that is carried."""
-    hip = planar.move(ground.carry, side.hinge.hip)
-    hip[:, 1] += ground.carry[:, 3]
-    higher = aim.ball[:, 1] - pinned[:, 1] - ground.carry[:, 3]  # than the body, as a slope has it
-    bends = wanted(side.hinge, near(changed, ground.frame_time, FAR), higher if ground.rise is not None else None)
+def _pull(side: Side, moved: np.ndarray | None, changed: np.ndarray, ground: Ground, sinks: np.ndarray) -> Legs:
+    """How a leg with these changed stances (F,) pulls at the body that is carried, and sinks (F,). moved: (F, 3) by how
+    much a slope moves its ankle, None where it is level."""
+    hip = ground.taken(side.hinge.hip)
+    hip[:, 1] -= sinks
+    if moved is not None:
+        moved = moved + sinks[:, None] * [0.0, 1.0, 0.0]
+    bends = wanted(side.hinge, near(changed, ground.frame_time, FAR), moved)
     return Legs(side.hinge, hip, bends, side.stances.minded)
 
 
@@ -249,7 +265,7 @@ def _aims(
 ) -> list[Targets]:
     carry, frame_time = ground.carry, ground.frame_time
     aims = [
-        targets(side.stances, mark, carry, ball, side.offset, frame_time)
+        targets(side.stances, mark, carry, ball, side.offset, side.flat, frame_time)
         for side, mark, ball in zip(sides, marks, pinned, strict=True)
     ]
     before = [Targets(side.hinge.ankle - side.offset, side.hinge.ankle, carry[:, 0]) for side in sides]
@@ -267,48 +283,54 @@ def _legs_set(
     shift: np.ndarray,
     carry: np.ndarray,
     active: np.ndarray,
-) -> tuple[dict[int, np.ndarray], np.ndarray]:
-    """Rotations (N, 4) of hips, knees and ankles against their parents at the active frames, and by how much (2, F),
-    cm, the ankles fall short."""
+) -> tuple[dict[int, np.ndarray], dict[str, np.ndarray]]:
+    """Rotations (N, 4) of hips, knees and ankles against their parents at the active frames; by how much (2, F), cm,
+    the ankles fall short, and by how many degrees hips and ankles go too far."""
     turns: dict[int, np.ndarray] = {}
-    short = np.zeros((len(sides), len(carry)))
+    short, far = np.zeros((len(sides), len(carry))), np.zeros((2, len(sides), len(carry)))
     within = slice(*(np.flatnonzero(active)[[0, -1]] + [0, 1]).tolist())
     some, heading = active[within], carry[within, 0]
     back = rotation.inv(planar.quaternion(carry[within]))
     for i, (side, pull, aim) in enumerate(zip(sides, pulls, aims, strict=True)):
         hinge, leg, yaw = side.hinge.cut(within), side.leg, aim.yaw[within]
         hip, goal = pull.hip[within] + shift[within], aim.ankle[within]
+        joints, turned = side.joints.cut(within), planar.quaternion(yaw[:, None])
         whole, knee, short[i, within] = reached(
-            hinge, hip, goal, yaw, heading, pull.wanted[within], side.stances.exact[within]
+            hinge, hip, goal, yaw, heading, pull.wanted[within], side.stances.exact[within], joints.share(yaw - heading)
         )
         above = rotation.mul(back, whole)
         bent = rotation.mul(knee, rotation.inv(hinge.knee))
         turns[leg.hip] = rotation.mul(rotation.inv(side.above[within]), rotation.mul(above, hinge.thigh))
         turns[leg.knee] = rotation.mul(knee, rotation.mul(rotation.inv(hinge.knee), hinge.shin))
         shin = rotation.mul(whole, rotation.mul(hinge.knee, bent))
-        foot = rotation.mul(planar.quaternion(yaw[:, None]), hinge.foot)
+        turned = turned if aim.tilt is None else rotation.mul(aim.tilt[within], turned)
+        foot = rotation.mul(turned, hinge.foot)
         turns[leg.ankle] = rotation.mul(rotation.inv(rotation.mul(shin, side.shank[within])), foot)
-    return {joint: turned[some] for joint, turned in turns.items()}, short
+        far[:, i, within] = np.where(some, joints.beyond(above, shin, turned), 0.0)
+    swings = np.array([side.stances.of < 0 for side in sides])
+    taken = {"short": np.where(swings, np.abs(short), 0.0), "hip": far[0], "ankle": far[1]}
+    return {joint: local[some] for joint, local in turns.items()}, taken
 
 
 def _taken(
     sides: Sequence[Side],
+    marks: Sequence[Prints],
     aims: Sequence[Targets],
     places: np.ndarray,
     shift: np.ndarray,
     heading: np.ndarray,
     moves: np.ndarray,
-    short: np.ndarray,
+    frame_time: float,
 ) -> dict[str, np.ndarray]:
     """What was taken of each kind of `_reach.LIMITS` in every frame, (F,) or of both legs (2, F), measured on the
     places (F, J, 3), cm."""
     off = [np.linalg.norm(places[:, s.leg.ball] - aim.ball, axis=1) for s, aim in zip(sides, aims, strict=True)]
-    turned = [np.degrees(np.abs(aim.yaw - heading)) for aim in aims]
-    swings = np.array([side.stances.of < 0 for side in sides])
+    turned = [side.joints.more(aim.yaw - heading) for side, aim in zip(sides, aims, strict=True)]
+    speeds = [mark.pivots.speeds(side.stances, frame_time) for side, mark in zip(sides, marks, strict=True)]
     return {
         "drop": -shift[:, 1],
         "shift": np.linalg.norm(shift[:, [0, 2]], axis=1),
-        "twist": np.where(moves, turned, 0.0),
+        "twist": np.degrees(np.where(moves, turned, 0.0)),
+        "pivot": np.degrees(speeds),
         "miss": np.where(moves, off, 0.0),
-        "short": np.where(swings, np.abs(short), 0.0),
     }

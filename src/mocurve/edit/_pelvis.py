@@ -8,14 +8,17 @@ knee as it depends on the shift is made linear a few times (Gauss and Newton).
 from __future__ import annotations
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d
 
 from .._jit import kernel
 from ._hinge import Hinge
 
 BENDS = np.radians(6.0)  # flexion off what is wanted
 QUICKENS = np.radians(1500.0)  # a second a second, of that
+JERKS = 4.0  # times that: more is noise of a frame or two, which no hips can mend, and pulls no harder (Huber's loss)
 SIDEWAYS, UP = 2.5, 2.5  # cm of shift
 HURRIES = 300.0  # cm a second a second, of the shift
+GENTLY = 0.15  # seconds around a foot out of reach in which the body is lower
 FAST = 1e12  # weight of a shift that is to be none
 BAND = 9
 
@@ -27,26 +30,52 @@ class Legs:
         self.hinge, self.hip, self.wanted, self.weight = hinge, hip, wanted, weight
 
 
-def shifted(
-    legs: list[tuple[Legs, np.ndarray]], at: np.ndarray, fixed: np.ndarray, frame_time: float, up: float = UP
-) -> np.ndarray:
+def shifted(legs: list[tuple[Legs, np.ndarray]], at: np.ndarray, fixed: np.ndarray, frame_time: float) -> np.ndarray:
     """The best shift (F, 3), the knees linear about the shift `at`. legs: each with its ankle targets (F, 3). Where
-    `fixed` (F,) the shift is none. up: its tolerance in height, cm."""
+    `fixed` (F,) the shift is none."""
     frames = len(at)
     band, right = np.zeros((3 * frames + BAND - 1, BAND)), np.zeros(3 * frames + BAND - 1)
-    tolerances = np.array([SIDEWAYS, up, SIDEWAYS]) ** -2.0
+    tolerances = np.array([SIDEWAYS, UP, SIDEWAYS]) ** -2.0
     _quiet(band, fixed, tolerances, (HURRIES * frame_time**2) ** -2.0)
     for leg, target in legs:
         to = leg.hip + at - target
         length = np.sqrt((to * to).sum(axis=1))
         flexion, slope = leg.hinge.bend(length)
         pull = to * (slope / length)[:, None]
-        off = flexion - leg.wanted - (pull * at).sum(axis=1)
-        _add(band, right, pull, off, leg.weight, BENDS**-2.0, (QUICKENS * frame_time**2) ** -2.0)
+        now = flexion - leg.wanted
+        off = now - (pull * at).sum(axis=1)
+        _add(band, right, pull, off, now, leg.weight, BENDS**-2.0, QUICKENS * frame_time**2)
     _solve(band, right)
     result = right[: 3 * frames].reshape(frames, 3)
     result[fixed] = 0.0
     return result
+
+
+def beyond_reach(
+    legs: list[tuple[Legs, np.ndarray]], at: np.ndarray, stands: np.ndarray, frame_time: float
+) -> np.ndarray:
+    """How much lower (F,) the body with the shift `at` has to be so that no leg is too short where it stands, (2, F):
+    what least squares leave, millimetres."""
+    straight = np.zeros(len(at))
+    over = [lacking(leg.hip + at - target, leg.hinge.length(straight)) for leg, target in legs]
+    need = np.where(stands, over, 0.0).max(axis=0)
+    return around(need, round(GENTLY / frame_time)) if (need > 0.0).any() else straight
+
+
+def lacking(to: np.ndarray, length: np.ndarray) -> np.ndarray:
+    """By how much (F,) a hip, at `to` (F, 3) from its ankle, is too high for a leg of this length (F,); below zero
+    where it is not."""
+    lack: np.ndarray = to[:, 1] - np.sqrt(np.maximum(length**2 - to[:, 0] ** 2 - to[:, 2] ** 2, 0.0))
+    return lack
+
+
+def around(need: np.ndarray, half: int) -> np.ndarray:
+    """The least smooth values (F,) that are not below any need nor zero, zero twice so many frames away."""
+    third = max(half // 3, 1)
+    highest = maximum_filter1d(np.maximum(need, 0.0), 6 * third + 1, mode="nearest")
+    box = np.full(2 * third + 1, 1.0 / (2 * third + 1))
+    bell = np.convolve(np.convolve(box, box), box)
+    return np.convolve(np.pad(highest, 3 * third, mode="edge"), bell, mode="valid")
 
 
 # -- in call order ---------------------------------------------------------------------------------
@@ -68,8 +97,9 @@ def _quiet(band, fixed, tolerances, hurries):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _add(band, right, pull, off, weight, bends, quickens):  # type: ignore[no-untyped-def]
-    """A leg's pull: the flexion off what is wanted, pull (F, 3) . shift + off, and its second difference, squared."""
+def _add(band, right, pull, off, now, weight, bends, quickens):  # type: ignore[no-untyped-def]
+    """A leg's pull: the flexion off what is wanted, pull (F, 3) . shift + off, and its second difference, squared; both
+    in their tolerances. now: (F,) what it is off where it was made linear."""
     row = np.empty(9)
     for f in range(len(off)):
         heavy = weight[f] * bends
@@ -78,7 +108,8 @@ def _add(band, right, pull, off, weight, bends, quickens):  # type: ignore[no-un
             for i in range(3 - j):
                 band[3 * f + j, i] += heavy * pull[f, j] * pull[f, j + i]
     for f in range(len(off) - 2):
-        heavy = weight[f + 1] * quickens
+        jerk = abs(now[f] - 2.0 * now[f + 1] + now[f + 2]) / quickens
+        heavy = weight[f + 1] / (quickens * quickens) * JERKS / max(jerk, JERKS)
         if heavy == 0.0:
             continue
         for j in range(3):

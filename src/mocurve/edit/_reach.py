@@ -10,18 +10,31 @@ import numpy as np
 from ..errors import OptionError
 from ..feet.contacts import runs
 
-# what may be asked of a body, cm and degrees
-LIMITS = {"drop": 2.5, "shift": 4.0, "twist": 45.0, "miss": 0.05, "short": 4.0}
+# what may be asked of a body: cm, degrees, and degrees a second; nobody was captured who turns a standing foot faster
+LIMITS = {
+    "drop": 2.5,
+    "shift": 4.0,
+    "twist": 45.0,
+    "pivot": 540.0,
+    "miss": 0.05,
+    "short": 4.0,
+    "hip": 5.0,
+    "ankle": 5.0,
+}
 SAID = {
     "drop": "the hips sink {value:.1f} cm (most {limit:g})",
     "shift": "the hips go {value:.1f} cm aside (most {limit:g})",
     "twist": "the body turns {value:.0f} degrees over a standing foot (most {limit:g})",
+    "pivot": "a standing foot turns on the spot at {value:.0f} degrees a second (most {limit:g})",
     "miss": "a standing foot is {value:.1f} cm out of reach (most {limit:g})",
     "short": "a swinging foot falls {value:.1f} cm short (most {limit:g})",
+    "hip": "a hip is turned {value:.0f} degrees further than it can be (most {limit:g})",
+    "ankle": "an ankle is turned {value:.0f} degrees further than it can be (most {limit:g})",
 }
 AIMED = 0.8  # of a limit: what shorter steps are to come down to
 # cm more of something for steps twice as long, where little is too much; where much is, twice as much more of it
 GROWS = {"drop": 14.0, "shift": 28.0, "miss": 14.0, "short": 28.0}
+TURNS = ("twist", "pivot")  # grow as the steps
 SHORTEST = 0.4  # times as long: shorter steps than that are another motion
 APART = 0.5  # seconds: spans nearer than that are told as one
 TOLD = 3  # problems in one sentence
@@ -55,8 +68,10 @@ class Strain:
 
     stances: how many. changed: how many of them were not held as they are.
     drop:  how far the body sinks. shift: how far it goes over the ground. twist: how far it is turned against a
-    standing foot, more than in the source. miss: how far a standing ball is from its place. short: how far a swinging
-    ankle is from where it was meant to be.
+    standing foot, more than it ever is in the source. pivots: how many standing feet turn on the spot; pivoted: how
+    far, pivot: how fast, a second. miss: how far a standing ball is from its place. short: how far a swinging ankle is
+    from where it was meant to be. hip, ankle: how far beyond what they can do. sunk: how far a slope takes the body
+    down besides, which is no strain.
     """
 
     stances: int
@@ -64,19 +79,33 @@ class Strain:
     drop: float
     shift: float
     twist: float
+    pivot: float
     miss: float
     short: float
+    hip: float
+    ankle: float
+    pivots: int = 0
+    pivoted: float = 0.0
     problems: tuple[Problem, ...] = ()
+    sunk: float = 0.0
 
     @classmethod
     def none(cls, stances: int) -> Strain:
         """Nothing was to be done."""
-        return cls(stances, 0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        return cls(stances, 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
     @classmethod
-    def of(cls, stances: int, changed: int, tracks: Mapping[str, np.ndarray], even: bool, frame_time: float) -> Strain:
-        """From what was taken of each kind in every frame: (F,) of the body, or (2, F) of the legs. even: whether all
-        frames are carried alike."""
+    def of(
+        cls,
+        stances: int,
+        changed: int,
+        tracks: Mapping[str, np.ndarray],
+        wholes: np.ndarray,
+        even: bool,
+        frame_time: float,
+    ) -> Strain:
+        """From what was taken of each kind in every frame: (F,) of the body, or (2, F) of the legs; by how much (N,)
+        standing feet turn, radians. even: whether all frames are carried alike."""
         found = {kind: float(max(track.max(initial=0.0), 0.0)) for kind, track in tracks.items()}
         problems = [
             problem
@@ -86,7 +115,9 @@ class Strain:
             for problem in _problems(kind, one, even, frame_time, side)
         ]
         problems.sort(key=lambda problem: -problem.value / LIMITS[problem.kind])
-        return cls(stances, changed, **found, problems=tuple(problems))
+        count, whole = int((wholes > 0).sum()), float(np.degrees(wholes.max(initial=0.0)))
+        drop, shift, twist, pivot, miss, short, hip, ankle = (found[kind] for kind in LIMITS)
+        return cls(stances, changed, drop, shift, twist, pivot, miss, short, hip, ankle, count, whole, tuple(problems))
 
     def refuse(self, frame_time: float, mend: str) -> None:
         """OptionError with the worst problems, if there are any, and what can be done instead."""
@@ -128,9 +159,11 @@ def _problems(kind: str, track: np.ndarray, even: bool, frame_time: float, side:
     ]
 
 
-def _stride(kind: str, value: float) -> float:
+def _stride(kind: str, value: float) -> float | None:
     """How many times as long the steps should be. The turn of a foot grows as the step; how the others do was measured
-    on walks and runs with stretched steps."""
+    on walks and runs with stretched steps. None where no other length is known to help."""
+    if kind not in GROWS and kind not in TURNS:
+        return None
     aim = AIMED * LIMITS[kind]
     over = value - aim
-    return max(SHORTEST, aim / value if kind == "twist" else 1.0 - over / (GROWS[kind] + 2.0 * over))
+    return max(SHORTEST, aim / value if kind in TURNS else 1.0 - over / (GROWS[kind] + 2.0 * over))

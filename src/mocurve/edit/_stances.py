@@ -23,11 +23,9 @@ STILL = 0.01  # cm and cm/s: a ball that moves less while it stands is held alre
 DIE = 0.08  # seconds within which speeds of the source's sliding die out of a swing
 NEAR, FAR = 0.10, 0.35  # seconds from a contact: the leg reaches exactly; the pelvis minds the knee
 FLOOR, ROUND = np.radians(7.0), np.radians(3.0)  # flexion of the knee that is wanted at least, and how softly
-SLOPES, STEP = (
-    np.radians(10.0),
-    3.0,
-)  # so much more where the foot is so many cm higher or lower, or further, than the body
-SWING = 0.1  # seconds: the shortest swing that a heel contact leaves
+SOFT, STEEP = np.radians(12.0), 1.0  # how softly on slopes, and half so at so many cm that one moves the foot by
+SWING = 0.1  # seconds: the shortest swing that a heel contact leaves, and the shortest stand on a heel alone
+SLIDES, LIFTED = 3.0, 1.0  # cm: a heel alone that goes further does not stand; the ball is higher than it
 GROUND = [0, 2]
 
 
@@ -36,7 +34,8 @@ class Stances:
     """The stances of a leg, cm.
 
     spans:   (N, 2) first frame, and frame after the last. of: (F,) which stance, -1 in a swing.
-    places:  (N, 3) where the ball stands. placed: (N,) whether that is not where it stands in the source.
+    down:    (N, 2) the frames of it in which the ball stands, or the heel, where only that does.
+    places:  (N, 3) where it stands. placed: (N,) whether that is not where it stands in the source.
     changed: (N,) whether the source's foot slides there, or is placed.
     ball:    (F, 3) of the source. error: (F, 3) what is to be added to it in stances that change, so that it is still.
     exact:   (F,) 1 in a stance, 0 from 0.1 s away on. minded: the same to 0.35 s.
@@ -51,6 +50,7 @@ class Stances:
     error: np.ndarray
     exact: np.ndarray
     minded: np.ndarray
+    down: np.ndarray
 
     def cut(self, span: slice) -> tuple[Stances, slice]:
         """Some of the frames, and which stances are in them."""
@@ -67,6 +67,7 @@ class Stances:
             self.error[span],
             self.exact[span],
             self.minded[span],
+            np.clip(self.down[kept] - span.start, 0, len(of)),
         ), kept
 
     def mending(self, touched: np.ndarray) -> Stances:
@@ -117,15 +118,20 @@ def stances(
     balls = sorted((contact for contact in listed if contact.joint == name), key=lambda contact: contact.first)
     heels = [contact for contact in listed if contact.joint != name]
     down, on_heel = (_mask(some, frames) for some in (balls, heels))
-    spans = _spans(balls, runs(down | on_heel).tolist(), round(SWING / frame_time))
+    unions = runs(down | on_heel).tolist()
+    least = round(SWING / frame_time)
+    alone = _alone(heels, balls, np.stack([ball, heel]), least)
+    stands = sorted([*balls, *alone], key=lambda contact: contact.first)
+    spans = _spans(stands, unions, least)
     of = np.full(frames, -1)
     error, places = np.zeros((frames, 3)), np.zeros((len(spans), 3))
     placed, changed = np.zeros(len(spans), bool), np.zeros(len(spans), bool)
-    for i, ((first, end), contact) in enumerate(zip(spans, balls, strict=True)):
+    for i, ((first, end), contact) in enumerate(zip(spans, stands, strict=True)):
         of[first:end] = i
         places[i] = scale * np.array(contact.place)
-        own = ball[contact.first : contact.last + 1]
-        error[first:end] = _holding(ball, heel, (first, end), contact, places[i])
+        point = ball if contact.joint == name else heel
+        own = point[contact.first : contact.last + 1]
+        error[first:end] = _holding(point, heel, (first, end), contact, places[i])
         placed[i] = np.abs(places[i] - own.mean(axis=0)).max() > STILL
         steps = np.linalg.norm(np.diff(own[:, GROUND], axis=0), axis=1) / frame_time
         slides = np.abs(own[:, GROUND] - own[:, GROUND].mean(axis=0)).max()
@@ -133,22 +139,23 @@ def stances(
         if not changed[i]:
             error[first:end] = 0.0
     exact, minded = (near(of >= 0, frame_time, seconds) for seconds in (NEAR, FAR))
-    return Stances(spans, of, places, placed, changed, ball, error, exact, minded)
+    held = np.array([[contact.first, contact.last + 1] for contact in stands], int).reshape(-1, 2)
+    return Stances(spans, of, places, placed, changed, ball, error, exact, minded, held)
 
 
-def wanted(hinge: Hinge, weight: np.ndarray, higher: np.ndarray | None = None) -> np.ndarray:
+def wanted(hinge: Hinge, weight: np.ndarray, moved: np.ndarray | None = None) -> np.ndarray:
     """Flexion (F,) of the knee that is aimed at: the source's, near stances that change never quite straight, where a
-    little of the leg's length would cost much of the knee's turn. higher: (F,) cm by which the foot is nearer to the
-    hip, on a slope: so much more the knee bends."""
-    flexion, floor_at = hinge.flexion, np.full(len(weight), FLOOR)
-    if higher is not None:
-        to = hinge.hip - hinge.ankle
-        to[:, 1] -= higher
-        least = np.minimum(hinge.flexion, FLOOR)  # lower than straight no leg reaches: the hips do
-        there = hinge.bend(np.linalg.norm(to, axis=1))[0] - hinge.bend(hinge.length(flexion))[0]
-        flexion = np.maximum(flexion + there, least)
-        floor_at = FLOOR + SLOPES * np.minimum(np.abs(higher) / STEP, 1.0)
-    floor = floor_at + ROUND * np.logaddexp(0.0, (flexion - floor_at) / ROUND)
+    little of the leg's length would cost much of the knee's turn. moved: (F, 3) cm by which the ankle is elsewhere, on
+    a slope: so much more or less the knee bends."""
+    flexion, steep = hinge.flexion, np.zeros(len(weight))
+    if moved is not None:
+        to = hinge.hip - hinge.ankle - moved
+        away = (moved * moved).sum(axis=1)
+        steep = away / (away + STEEP**2)
+        flexion = flexion + hinge.bend(np.linalg.norm(to, axis=1))[0] - hinge.bend(hinge.length(flexion))[0]
+        weight = np.maximum(weight, np.tanh(away))  # lower than straight no leg reaches: the hips do
+    wide = ROUND + (SOFT - ROUND) * steep
+    floor = FLOOR + wide * np.logaddexp(0.0, (flexion - FLOOR) / wide)
     return flexion + weight * (floor - flexion)
 
 
@@ -177,6 +184,20 @@ def _mask(listed: Sequence[Contact], frames: int) -> np.ndarray:
     for contact in listed:
         mask[contact.first : contact.last + 1] = True
     return mask
+
+
+def _alone(heels: Sequence[Contact], balls: Sequence[Contact], places: np.ndarray, least: int) -> list[Contact]:
+    """The contacts of a heel that stands alone, the ball lifted above it all the time, for so many frames at least and
+    so many away from contacts of the ball. places: (2, F, 3) of ball and heel."""
+    found = []
+    for heel in heels:
+        span = slice(heel.first, heel.last + 1)
+        ball, own = places[0, span], places[1, span]
+        apart = all(max(heel.first - other.last, other.first - heel.last) > least for other in balls)
+        slides = np.abs(own[:, GROUND] - own[:, GROUND].mean(axis=0)).max()
+        if apart and len(own) >= least and (ball - own)[:, 1].min() > LIFTED and slides < SLIDES:
+            found.append(heel)
+    return found
 
 
 def _spans(balls: Sequence[Contact], unions: Sequence[Sequence[int]], least: int) -> np.ndarray:

@@ -94,8 +94,8 @@ def lock_feet(
     contact that is held already is not touched, nor is any frame 0.6 s away from contacts that slide, or any joint but
     hips, knees, ankles and the place of the body. The last step of the `history` has the numbers of `Locked` under
     "measured". Errors: Mismatch where there are no two legs or samples are missing, OptionError for contacts that are
-    not in the clip, and where the body would have to sink by 2.5 cm, to go aside by 4 cm, or a foot is out of reach:
-    the message names the frames.
+    not in the clip, and where the body would have to sink by 2.5 cm, to go aside by 4 cm, a foot is out of reach, or a
+    hip or ankle would go further than it can: the message names the frames.
 
     >>> still = mc.lock_feet(mc.read("walk.bvh"))
     """

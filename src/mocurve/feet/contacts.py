@@ -17,14 +17,14 @@ from ..errors import Mismatch, OptionError, UnknownName
 from ..info import tell_up
 from ..kinematics import world
 from ..motion import Clip, Motion
+from .floors import floors
 from .legs import Leg, centimetres, legs, tracks
 
 WALKING, RUNNING = 15.0, 45.0  # cm/s: slower feet come to stand
 RUNS, PACE = 200.0, 0.25  # cm/s, over so many seconds: where people who go faster begin to run
 LEAVING = 2.0  # times the speed at which a contact begins: where it ends
-FLOOR = 5.0  # percent of the frames are lower than where the search for a joint's own floor begins
-TILT, BANDS = 0.03, (3.0, 3.0, 2.0, 1.5, 1.0, 1.0)  # usual slope of a floor; heights within which it is looked for
 SMOOTH = 0.04  # seconds over which speeds are taken
+SHAKES, NOISE = 8.0, 4.0  # times the speed, and the usual one of a contact, that no foot is fast in a frame as it comes
 GAP, LEAST = 0.05, 0.1  # seconds: gaps that are closed, contacts that are too short
 HELD = 0.05  # cm/s: no captured foot is so still for the least time; one that is has been locked
 
@@ -62,7 +62,8 @@ def contacts(
         speed. By default 15, or 45 where the body runs (half the time faster than 200).
     height
         Centimetres above the joint's own floor that a standing foot may be. The floor is a plane through the places
-        where the joint is slow and low; it may slope. On stairs more than their rise.
+        where the joint is slow and low; it may slope, and is a ramp where both feet stand on one. On stairs more than
+        their rise.
 
     Gaps shorter than 50 ms are closed, contacts shorter than 100 ms left out. Where a foot is held perfectly still, as
     after `lock_feet`, the contact is exactly that. Errors: Mismatch where there are no two legs or samples are missing,
@@ -93,15 +94,18 @@ def found(motion: Motion, both: Sequence[Leg], speed: float, height: float, held
     if motion.frames < 2:
         return ()
     scale, names = centimetres(motion), motion.skeleton.names
+    balls, heels = tracks(motion, both)
+    ways = [(leg.ball, ball) for leg, ball in zip(both, balls, strict=True)]
+    ways += [(leg.ankle, heel) for leg, heel in zip(both, heels, strict=True) if leg.ball != leg.ankle]
+    points = [scale * way for _, way in ways]
+    paces = [_pace(point, motion.frame_time) for point in points]
+    slow = [point[pace < speed] for point, pace in zip(points, paces, strict=True)]
+    levels = floors(points, slow, height, len(both))
     listed = []
-    for places, joints in zip(tracks(motion, both), ("ball", "ankle"), strict=True):
-        for track, leg in zip(places, both, strict=True):
-            joint = getattr(leg, joints)
-            if joints == "ankle" and leg.ball == leg.ankle:
-                continue
-            for first, last in _standing(scale * track, motion.frame_time, speed, height, held):
-                x, y, z = (float(mean) for mean in track[first : last + 1].mean(axis=0))
-                listed.append(Contact(names[joint], first, last, (x, y, z)))
+    for (joint, way), point, pace, floor in zip(ways, points, paces, levels, strict=True):
+        for first, last in _standing(point, pace, point[:, 1] - floor, motion.frame_time, speed, height, held):
+            x, y, z = (float(mean) for mean in way[first : last + 1].mean(axis=0))
+            listed.append(Contact(names[joint], first, last, (x, y, z)))
     return tuple(sorted(listed, key=lambda contact: (contact.first, contact.joint)))
 
 
@@ -147,13 +151,26 @@ def _complete(motion: Motion) -> None:
         raise Mismatch(f"channel {name!r} has no value at frame {frame}: fill the gaps first, with denoise")
 
 
-def _standing(track: np.ndarray, frame_time: float, speed: float, height: float, held: bool) -> list[tuple[int, int]]:
-    """(first, last) frames in which a point (F, 3), cm, stands."""
+def _pace(track: np.ndarray, frame_time: float) -> np.ndarray:
+    """Speed (F,) of a point (F, 3), averaged."""
     half = max(1, round(0.5 * SMOOTH / frame_time))
     ahead = np.minimum(np.arange(len(track)) + half, len(track) - 1)
     behind = np.maximum(np.arange(len(track)) - half, 0)
-    pace = np.linalg.norm(track[ahead] - track[behind], axis=1) / ((ahead - behind) * frame_time)
-    above = track[:, 1] - _floor(track, track[pace < speed], height)
+    pace: np.ndarray = np.linalg.norm(track[ahead] - track[behind], axis=1) / ((ahead - behind) * frame_time)
+    return pace
+
+
+def _standing(
+    track: np.ndarray,
+    pace: np.ndarray,
+    above: np.ndarray,
+    frame_time: float,
+    speed: float,
+    height: float,
+    held: bool,
+) -> list[tuple[int, int]]:
+    """(first, last) frames in which a point (F, 3), cm, stands. pace: how fast it goes; above: how far it is above the
+    floor, (F,)."""
     comes, goes = (pace < speed) & (above < height), (pace > LEAVING * speed) | (above > LEAVING * height)
     # the last of both that happened decides; before any, the foot does not stand
     last = np.maximum.accumulate(np.where(comes | goes, np.arange(len(track)), -1))
@@ -165,6 +182,7 @@ def _standing(track: np.ndarray, frame_time: float, speed: float, height: float,
             joined[-1][1] = span[1]
         else:
             joined.append(span)
+    joined = [_settled(track, span, frame_time, speed) for span in joined]
     return [
         (first, end - 1)
         for span in joined
@@ -173,19 +191,19 @@ def _standing(track: np.ndarray, frame_time: float, speed: float, height: float,
     ]
 
 
-def _floor(track: np.ndarray, slow: np.ndarray, height: float) -> np.ndarray:
-    """Height (F,) of the floor under a point (F, 3): a plane through its slow places (N, 3), looked for in bands that
-    narrow around it, so that a foot that is held up does not lift it. A floor is level unless places say otherwise."""
-    middle = slow.mean(axis=0) if len(slow) else np.zeros(3)
-    plane = np.array([np.percentile(track[:, 1], FLOOR), 0.0, 0.0])
-    at = np.column_stack([np.ones(len(slow)), slow[:, ::2] - middle[::2]])
-    for band in BANDS:
-        low = np.abs(slow[:, 1] - at @ plane) < band * height
-        if low.sum() < 3:
-            break
-        level = np.diag([0.0, *np.full(2, (0.1 * low.sum() / 3.0 + 1.0) * TILT**-2.0)])
-        plane = np.linalg.solve(at[low].T @ at[low] + level, at[low].T @ slow[low, 1])
-    return plane[0] + (track[:, ::2] - middle[::2]) @ plane[1:]
+def _settled(track: np.ndarray, span: list[int], frame_time: float, speed: float) -> list[int]:
+    """The part of a span that begins after the point has come to rest and ends before it leaves: one that shakes goes
+    nowhere on the mean, but does not stand. A clip that shakes throughout has no better part."""
+    first, end = span
+    near = round(LEAST / frame_time)
+    steps = np.linalg.norm(np.diff(track[first:end], axis=0), axis=1) / frame_time
+    shakes = steps > max(SHAKES * speed, NOISE * float(np.median(steps)) if len(steps) else 0.0)
+    early, late = np.flatnonzero(shakes[:near]), np.flatnonzero(shakes[-near:][::-1])
+    if len(early):
+        first += int(early[-1]) + 1
+    if len(late):
+        end -= int(late[-1]) + 1
+    return [first, max(end, first)]
 
 
 def _held(track: np.ndarray, span: list[int], frame_time: float) -> list[list[int]]:

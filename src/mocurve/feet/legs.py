@@ -21,6 +21,7 @@ LONG = 0.42  # of the longest bone of the leg: where the thigh begins, shorter b
 STIFF = 1.0  # degrees: a joint whose channels never change more does not turn
 SHORT = 1e-6  # of the height at rest: a bone without length
 HEEL = 0.25  # foot lengths that the heel stands behind the ankle
+LOWEST, LEVEL = 0.05, 10.0  # of the frames, in which feet stand; degrees off what is usual there: a foot that points
 PERSON = 170.0  # cm tall, where nobody knows how long a unit is
 
 
@@ -167,8 +168,19 @@ def _heels(motion: Motion, found: Sequence[tuple[int, int, int, int]]) -> list[n
     turned = world_rotations(motion, [joints[2] for joints in found])
     heels = []
     for i, (_, _, ankle, ball) in enumerate(found):
-        lowest = int(np.argmin(places[:, ankle, 1] + places[:, ball, 1]))
+        lowest = _flat(places[:, ankle], places[:, ball])
         down = -HEEL * (places[lowest, ball] - places[lowest, ankle])
         down[1] = min(0.0, places[lowest, ball, 1] - places[lowest, ankle, 1])
         heels.append(rotation.rotate(rotation.inv(turned[lowest, i]), down))
     return heels
+
+
+def _flat(ankle: np.ndarray, ball: np.ndarray) -> int:
+    """The frame in which a foot is lowest, of those in which it is tilted as it usually is where it is low: a foot that
+    points down may be lower than one that stands."""
+    way = ball - ankle
+    tilt = np.degrees(np.arctan2(way[:, 1], np.hypot(way[:, 0], way[:, 2])))
+    height = ankle[:, 1] + ball[:, 1]
+    low = np.argsort(height)[: max(1, int(LOWEST * len(height)))]
+    usual = np.abs(tilt - np.median(tilt[low])) < LEVEL
+    return int(np.argmin(np.where(usual, height, np.inf)))

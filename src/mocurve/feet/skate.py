@@ -12,9 +12,10 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from ..motion import Motion
-from .contacts import FLOOR, LEAVING, Contact
+from .contacts import LEAVING, Contact
 from .legs import Leg, centimetres, tracks
 
+FLOOR = 5.0  # percent of the frames of a point are lower than its floor
 LIFTED = 1.0  # cm away from the height of the contact: the same
 RATIO_RATE, RATIO_LOW, RATIO_FAST, RATIO_MEAN = 20.0, 5.0, 50.0, 5  # frames a second, cm, cm/s, frames
 WEIGHED = 2.5  # cm above the floor at which sliding no longer counts
