@@ -7,6 +7,8 @@ knee as it depends on the shift is made linear a few times (Gauss and Newton).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.ndimage import maximum_filter1d
 
@@ -19,6 +21,8 @@ JERKS = 4.0  # times that: more is noise of a frame or two, which no hips can me
 SIDEWAYS, UP = 2.5, 2.5  # cm of shift
 HURRIES = 300.0  # cm a second a second, of the shift
 GENTLY = 0.15  # seconds around a foot out of reach in which the body is lower
+WALLS = (4.0, 2.5)  # cm that hips should go aside, and down, at most
+FROM, TO, TIGHT = 0.85, 0.96, 0.1  # of that: where it begins to tell, and where it is to end; cm
 FAST = 1e12  # weight of a shift that is to be none
 BAND = 9
 
@@ -30,9 +34,15 @@ class Legs:
         self.hinge, self.hip, self.wanted, self.weight = hinge, hip, wanted, weight
 
 
-def shifted(legs: list[tuple[Legs, np.ndarray]], at: np.ndarray, fixed: np.ndarray, frame_time: float) -> np.ndarray:
+def shifted(
+    legs: list[tuple[Legs, np.ndarray]],
+    at: np.ndarray,
+    fixed: np.ndarray,
+    frame_time: float,
+    walls: Sequence[tuple[np.ndarray, np.ndarray, np.ndarray]] = (),
+) -> np.ndarray:
     """The best shift (F, 3), the knees linear about the shift `at`. legs: each with its ankle targets (F, 3). Where
-    `fixed` (F,) the shift is none."""
+    `fixed` (F,) the shift is none. walls: as `too_far` has them."""
     frames = len(at)
     band, right = np.zeros((3 * frames + BAND - 1, BAND)), np.zeros(3 * frames + BAND - 1)
     tolerances = np.array([SIDEWAYS, UP, SIDEWAYS]) ** -2.0
@@ -45,10 +55,27 @@ def shifted(legs: list[tuple[Legs, np.ndarray]], at: np.ndarray, fixed: np.ndarr
         now = flexion - leg.wanted
         off = now - (pull * at).sum(axis=1)
         _add(band, right, pull, off, now, leg.weight, BENDS**-2.0, QUICKENS * frame_time**2)
+    for way, length, weight in walls:
+        _add(band, right, way, -length, 0.0 * length, weight, TIGHT**-2.0, np.inf)
     _solve(band, right)
     result = right[: 3 * frames].reshape(frames, 3)
     result[fixed] = 0.0
     return result
+
+
+def too_far(shift: np.ndarray) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """What keeps a shift (F, 3) that comes near what hips may do, or goes beyond, a little within it, aside and down:
+    the direction (F, 3) of it, how far (F,) it is to go instead, cm, and a weight (F,). None where it is not near."""
+    found = []
+    for most, kept in zip(WALLS, ([1.0, 0.0, 1.0], [0.0, -1.0, 0.0]), strict=True):
+        part = shift * np.abs(kept)
+        size = np.linalg.norm(part, axis=1) if kept[1] == 0.0 else -shift[:, 1]
+        start, room = FROM * most, (TO - FROM) * most
+        over = np.maximum(size - start, 0.0) / room
+        if over.any():
+            way = part / np.maximum(size, start)[:, None]
+            found.append((way, start + room * np.tanh(over), np.minimum(over, 1.0) ** 2))
+    return found
 
 
 def beyond_reach(
