@@ -19,7 +19,7 @@ from ._pivots import Pivots, pivots
 from ._stances import GROUND, Stances
 from ._swings import filled
 
-LEAST, MOVES = 1.0, 6.0  # cm that a footprint may move to relieve its knee: evenly carried, and unevenly
+LEAST, MOVES = 1.0, 5.5  # cm that a footprint may move to relieve its knee: evenly carried, and unevenly
 STAYS = 1e-6  # cm, where somebody said the place
 BENDS = np.radians(6.0)  # flexion that is as bad
 

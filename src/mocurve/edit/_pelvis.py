@@ -17,7 +17,7 @@ from ._hinge import Hinge
 
 BENDS = np.radians(6.0)  # flexion off what is wanted
 QUICKENS = np.radians(1500.0)  # a second a second, of that
-JERKS = 4.0  # times that: more is noise of a frame or two, which no hips can mend, and pulls no harder (Huber's loss)
+JERKS = 3.5  # times that: more is noise of a frame or two, which no hips can mend, and pulls no harder (Huber's loss)
 SIDEWAYS, UP = 2.5, 2.5  # cm of shift
 HURRIES = 300.0  # cm a second a second, of the shift
 GENTLY = 0.15  # seconds around a foot out of reach in which the body is lower
