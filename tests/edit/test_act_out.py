@@ -252,8 +252,8 @@ def test_turns_are_where_the_signal_turns(gaps: list[float], seed: int) -> None:
     times = np.concatenate([[0.0], np.cumsum(gaps)])
     levels = np.where(np.arange(len(times)) % 2, 1.0, 0.0) + 0.2 * np.random.default_rng(seed).random(len(times))
     at = np.arange(0.0, times[-1], 0.005)
-    u = (at - times[np.searchsorted(times, at, "right") - 1]) / np.diff(times)[np.searchsorted(times, at, "right") - 1]
-    k = np.searchsorted(times, at, "right") - 1
+    k = np.minimum(np.searchsorted(times, at, "right") - 1, len(times) - 2)  # the last time may be reached by rounding
+    u = (at - times[k]) / np.diff(times)[k]
     values = levels[k] + np.diff(levels)[k] * 0.5 * (1.0 - np.cos(np.pi * u))
     found = _features.turns(at, values)
     np.testing.assert_allclose(found.times, times[1:-1], atol=0.03)

@@ -25,13 +25,12 @@ from ._footprints import Prints, Targets, prints, relieved, targets
 from ._heights import LOWERS, Ground, Rise, flat
 from ._hinge import Hinge, hinge_of, reached
 from ._joints import Joints, joints_of
-from ._pelvis import Legs, beyond_reach, shifted, too_far
+from ._pelvis import Legs, beyond_reach, shifted, spared
 from ._reach import Strain
 from ._stances import FAR, STILL, Stances, near, stances, wanted
 from ._swings import REACH
 
 ROUNDS, MOVING = 3, 2  # solutions of the pelvis, and after how many of them footprints move
-WALLED = 2  # more of them where hips come near what they may do
 
 
 @dataclass(frozen=True, eq=False)
@@ -246,9 +245,7 @@ def _solved(
             ]
             aims = _aims(sides, marks, pinned, ground)
     pairs = [(pull, aim.ankle) for pull, aim in zip(pulls, aims, strict=True)]
-    walls = too_far(shift)
-    for _ in range(WALLED if walls else 0):
-        shift = shifted(pairs, shift, fixed, ground.frame_time, walls)
+    shift = spared(pairs, shift, fixed, ground.frame_time)
     shift[:, 1] -= inner * beyond_reach(pairs, shift, moves, ground.frame_time)
     return shift, aims, pulls, sinks
 

@@ -17,12 +17,16 @@ from ._hinge import Hinge
 
 BENDS = np.radians(6.0)  # flexion off what is wanted
 QUICKENS = np.radians(1500.0)  # a second a second, of that
-JERKS = 3.5  # times that: more is noise of a frame or two, which no hips can mend, and pulls no harder (Huber's loss)
+JERKS = (
+    3.5  # times that: more is noise of a frame or two, which hips that are at their end mend no harder (Huber's loss)
+)
 SIDEWAYS, UP = 2.5, 2.5  # cm of shift
 HURRIES = 300.0  # cm a second a second, of the shift
 GENTLY = 0.15  # seconds around a foot out of reach in which the body is lower
 WALLS = (4.0, 2.5)  # cm that hips should go aside, and down, at most
-FROM, TO, TIGHT = 0.85, 0.96, 0.1  # of that: where it begins to tell, and where it is to end; cm
+FROM, TO, TIGHT = 0.85, 0.92, 0.1  # of that: where it begins to tell, and where it is to end; cm
+AROUND = 0.5  # seconds around that in which what shakes is let shake
+ROUNDS = 3  # solutions with that, and with walls
 FAST = 1e12  # weight of a shift that is to be none
 BAND = 9
 
@@ -39,13 +43,16 @@ def shifted(
     at: np.ndarray,
     fixed: np.ndarray,
     frame_time: float,
+    jerks: np.ndarray | None = None,
     walls: Sequence[tuple[np.ndarray, np.ndarray, np.ndarray]] = (),
 ) -> np.ndarray:
     """The best shift (F, 3), the knees linear about the shift `at`. legs: each with its ankle targets (F, 3). Where
-    `fixed` (F,) the shift is none. walls: as `too_far` has them."""
+    `fixed` (F,) the shift is none. jerks: (F,) in tolerances, what of a knee pulls no harder. walls: as `_walls` has
+    them."""
     frames = len(at)
     band, right = np.zeros((3 * frames + BAND - 1, BAND)), np.zeros(3 * frames + BAND - 1)
     tolerances = np.array([SIDEWAYS, UP, SIDEWAYS]) ** -2.0
+    all_jerks = np.full(frames, np.inf)
     _quiet(band, fixed, tolerances, (HURRIES * frame_time**2) ** -2.0)
     for leg, target in legs:
         to = leg.hip + at - target
@@ -54,28 +61,29 @@ def shifted(
         pull = to * (slope / length)[:, None]
         now = flexion - leg.wanted
         off = now - (pull * at).sum(axis=1)
-        _add(band, right, pull, off, now, leg.weight, BENDS**-2.0, QUICKENS * frame_time**2)
+        hardest = all_jerks if jerks is None else jerks
+        _add(band, right, pull, off, now, leg.weight, BENDS**-2.0, QUICKENS * frame_time**2, hardest)
     for way, length, weight in walls:
-        _add(band, right, way, -length, 0.0 * length, weight, TIGHT**-2.0, np.inf)
+        _add(band, right, way, -length, 0.0 * length, weight, TIGHT**-2.0, np.inf, all_jerks)
     _solve(band, right)
     result = right[: 3 * frames].reshape(frames, 3)
     result[fixed] = 0.0
     return result
 
 
-def too_far(shift: np.ndarray) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-    """What keeps a shift (F, 3) that comes near what hips may do, or goes beyond, a little within it, aside and down:
-    the direction (F, 3) of it, how far (F,) it is to go instead, cm, and a weight (F,). None where it is not near."""
-    found = []
-    for most, kept in zip(WALLS, ([1.0, 0.0, 1.0], [0.0, -1.0, 0.0]), strict=True):
-        part = shift * np.abs(kept)
-        size = np.linalg.norm(part, axis=1) if kept[1] == 0.0 else -shift[:, 1]
-        start, room = FROM * most, (TO - FROM) * most
-        over = np.maximum(size - start, 0.0) / room
-        if over.any():
-            way = part / np.maximum(size, start)[:, None]
-            found.append((way, start + room * np.tanh(over), np.minimum(over, 1.0) ** 2))
-    return found
+def spared(legs: list[tuple[Legs, np.ndarray]], shift: np.ndarray, fixed: np.ndarray, frame_time: float) -> np.ndarray:
+    """The shift (F, 3) as it is, unless it comes near what hips may do: there knees that shake pull no harder than
+    quick ones, and the hips are kept a little within what they may do, as far as knees can take it."""
+    near = _near(shift, frame_time)
+    if near is None:
+        return shift
+    jerks = JERKS / np.maximum(near, 1e-9)
+    for _ in range(ROUNDS):
+        shift = shifted(legs, shift, fixed, frame_time, jerks)
+    walls = _walls(shift)
+    for _ in range(ROUNDS if walls else 0):
+        shift = shifted(legs, shift, fixed, frame_time, jerks, walls)
+    return shift
 
 
 def beyond_reach(
@@ -106,6 +114,33 @@ def around(need: np.ndarray, half: int) -> np.ndarray:
 
 
 # -- in call order ---------------------------------------------------------------------------------
+
+
+def _asked(shift: np.ndarray) -> list[tuple[np.ndarray, np.ndarray, float]]:
+    """The part (F, 3) of a shift that goes aside, and that which goes down, how far (F,) each does, and may."""
+    aside, down = shift * [1.0, 0.0, 1.0], np.minimum(shift, 0.0) * [0.0, 1.0, 0.0]
+    return [(part, np.linalg.norm(part, axis=1), most) for part, most in zip((aside, down), WALLS, strict=True)]
+
+
+def _near(shift: np.ndarray, frame_time: float) -> np.ndarray | None:
+    """(F,) 1 where a shift comes near what hips may do, smoothly 0 from a second away on; None where it never does."""
+    far = np.logical_or.reduce([size > FROM * most for _, size, most in _asked(shift)])
+    return around(far.astype(np.float64), round(AROUND / frame_time)) if far.any() else None
+
+
+def _walls(shift: np.ndarray) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """What keeps a shift (F, 3) that comes near what hips may do, or goes beyond, a little within it, aside and down:
+    the direction (F, 3) of it, how far (F,) it is to go instead, cm, and a weight (F,)."""
+    found = []
+    for part, size, most in _asked(shift):
+        start, room = FROM * most, (TO - FROM) * most
+        over = np.maximum(size - start, 0.0) / room
+        if over.any():
+            way = part / np.maximum(size, start)[:, None]
+            found.append((way, start + room * np.tanh(over), np.minimum(over, 1.0) ** 2))
+    return found
+
+
 # band (3F, 9): row u has what unknown u (x, y, z of the first frame, then of the second) has to do with u ... u + 8
 
 
@@ -124,9 +159,10 @@ def _quiet(band, fixed, tolerances, hurries):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _add(band, right, pull, off, now, weight, bends, quickens):  # type: ignore[no-untyped-def]
+def _add(band, right, pull, off, now, weight, bends, quickens, jerks):  # type: ignore[no-untyped-def]
     """A leg's pull: the flexion off what is wanted, pull (F, 3) . shift + off, and its second difference, squared; both
-    in their tolerances. now: (F,) what it is off where it was made linear."""
+    in their tolerances, the latter no harder than `jerks` (F,) times that. now: (F,) what it is off where it was made
+    linear."""
     row = np.empty(9)
     for f in range(len(off)):
         heavy = weight[f] * bends
@@ -136,7 +172,7 @@ def _add(band, right, pull, off, now, weight, bends, quickens):  # type: ignore[
                 band[3 * f + j, i] += heavy * pull[f, j] * pull[f, j + i]
     for f in range(len(off) - 2):
         jerk = abs(now[f] - 2.0 * now[f + 1] + now[f + 2]) / quickens
-        heavy = weight[f + 1] / (quickens * quickens) * JERKS / max(jerk, JERKS)
+        heavy = weight[f + 1] / (quickens * quickens) * min(jerks[f + 1] / max(jerk, 1e-9), 1.0)
         if heavy == 0.0:
             continue
         for j in range(3):

@@ -17,7 +17,7 @@ LIMITS = {
     "twist": 45.0,
     "pivot": 540.0,
     "miss": 0.05,
-    "short": 4.0,
+    "short": 8.0,  # the swing is lower and nearer to the body for it; ankles and knees stay as calm
     "hip": 5.0,
     "ankle": 5.0,
 }
