@@ -183,7 +183,7 @@ def test_too_long_strides_and_too_tight_turns_are_told_with_a_stride_that_mends_
     assert locked(motion, stretch(1.05), listed, both)[1].problems == ()
     _, strain = locked(motion, stretch(1.35), listed, both)
     worst = strain.problems[0]
-    assert worst.kind == "drop"
+    assert worst.kind in ("drop", "shift")
     assert worst.stride is not None
     assert 0.7 < worst.stride < 0.95
     least = min(problem.stride or 1.0 for problem in strain.problems)
