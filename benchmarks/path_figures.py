@@ -235,8 +235,9 @@ def traced(clip: mc.Motion, path: mc.Path, width: int, ahead: bool = False) -> I
     both = np.concatenate([track, curve])
     low, high = both.min(axis=0), both.max(axis=0)
     image = Image.new("RGB", (2 * width, round(2 * 0.42 * width)), "white")
-    scale = 0.84 * float((np.array(image.size) / np.maximum(high - low, 1e-9)).min())
-    draw, middle = ImageDraw.Draw(image), np.array(image.size) / 2 + np.array([0.0, 10.0])
+    room = np.array(image.size) - [0.0, 60.0]  # below the title
+    scale = 0.9 * float((room / np.maximum(high - low, 1e-9)).min())
+    draw, middle = ImageDraw.Draw(image), 0.5 * room + [0.0, 60.0]
 
     def line(places: np.ndarray, colour: str, thick: int) -> None:
         at = (places - 0.5 * (low + high)) * scale + middle
