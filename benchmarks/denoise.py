@@ -234,7 +234,7 @@ def measured(clean: Clean, which: str, quick: bool, kinds: tuple[str, ...] | Non
 def main(clean: Clean | None = None) -> None:
     """Measure a method: `mocurve.denoising.clean`, or another function of its form."""
     asked = ArgumentParser()
-    asked.add_argument("--set", choices=["tune", "held", "fresh"], default="tune")
+    asked.add_argument("--set", choices=["tune", "held", "fresh", "last"], default="tune")
     asked.add_argument("--quick", action="store_true", help="about a tenth of the cases")
     asked.add_argument("--kinds", nargs="*", help="jitter, correlated, " + ", ".join(KINDS))
     asked.add_argument("--json", type=Path, help="write the numbers of every case")
