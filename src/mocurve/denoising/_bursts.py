@@ -8,18 +8,19 @@ from .._jit import kernel
 from ._evidence import LONGEST, NEVER, REACH, VISIBLE, evidence, root
 
 BURST = 10  # frames that a run has at most unless the search found it
+NEVERS = 0.0
 FOUND = 3.0  # log odds for a run that the search found
 HOT = 2.5  # usual deviations of a leap, from where a run may begin or end
 PART, SEEN = 0.15, 3.0  # of a run's largest deviation, of noise: frames that are off by less are good ones between two
 
 
 @kernel
-def pursue(y, sigma, smoothing, usual, believed, unit, found, left_out):
+def pursue(y, sigma, smoothing, usual, believed, unit, found, left_out, bonus):
     """Adds to left_out (n,) the frames of a channel y (n,) that are foreign; found (n,): those that a search proposes.
 
     usual: standard deviation of the leap between two frames, as the third difference tells it; believed: log odds;
     unit: one degree in the channel's unit."""
-    data = y, sigma, root(smoothing), unit, believed, found
+    data = y, sigma, root(smoothing), unit, believed, found, bonus
     given = left_out.copy()
     keep_long(found, given)
     left_out[:] = given
@@ -44,7 +45,7 @@ def keep_long(found, given):
 @kernel
 def best_first(data, least, given, left_out):
     """Leaves out the run with the highest odds, weighs those around it again, and so on."""
-    y, sigma, factor, unit, believed, found = data
+    y, sigma, factor, unit, believed, found, bonus = data
     starts, ends = pairs(y, least, found, given)
     odds, off = np.empty(len(starts)), np.empty(LONGEST)
     for k in range(len(starts)):
@@ -70,10 +71,10 @@ def best_first(data, least, given, left_out):
 @kernel
 def weigh(data, p, q, left_out):
     """Log odds of a run, what the search says counted in."""
-    y, sigma, factor, unit, believed, found = data
+    y, sigma, factor, unit, believed, found, bonus = data
     odds = evidence(y, sigma, factor, p, q, left_out, unit, np.empty(LONGEST))
     if found[p:q].all():
-        return max(odds + believed + FOUND, NEVER + 1.0)  # what hides it now may be left out later
+        return max(odds + believed + bonus, NEVER + 1.0)  # what hides it now may be left out later
     return odds
 
 
@@ -97,19 +98,20 @@ def ask_again(data, given, left_out):
 def among_found(data, given, left_out):
     """Leaves out runs that the search found and that hid one another, or of which the evidence says nothing, unless
     what is new nearby explains them."""
-    y, sigma, factor, unit, _, found = data
+    y, sigma, factor, unit, _, found, bonus = data
     all_found = left_out | found
     i, n = 0, len(y)
     while i < n:
         j = i
-        while j < n and found[j] and not given[j]:
+        while j < n and found[j] and not left_out[j]:
             j += 1
-        if j > i and not left_out[i:j].any():
+        if j > i:
             near = slice(max(0, i - REACH), min(n, j + REACH))
             if not (left_out[near] & ~found[near] & ~given[near]).any():
+                whole = (i == 0 or not found[i - 1]) and (j == n or not found[j])
                 all_found[i:j] = False
                 odds = evidence(y, sigma, factor, i, j, all_found, unit, np.empty(LONGEST))
-                left_out[i:j] = odds > -FOUND or odds == NEVER
+                left_out[i:j] = odds > -bonus or (whole and odds == NEVER and bonus > NEVERS)
                 all_found[i:j] = True
         i = j + 1
 
@@ -155,4 +157,21 @@ def beside(y, sigma, smoothing, believed, unit, others, left_out):
             j += 1
         if j > i and i >= 2 and j <= n - 2 and j - i <= LONGEST and not left_out[i:j].any():
             left_out[i:j] = evidence(y, sigma, factor, i, j, left_out, unit, off) > believed
+        i = j + 1
+
+
+@kernel
+def odds_of(y, sigma, smoothing, unit, marked, left_out, odds):
+    """Log odds (n,) of each run marked (n,), at its first frame; elsewhere NaN."""
+    factor, off, others = root(smoothing), np.empty(LONGEST), left_out.copy()
+    i, n = 0, len(y)
+    odds[:] = np.nan
+    while i < n:
+        j = i
+        while j < n and marked[j]:
+            j += 1
+        if j > i and j - i <= LONGEST:
+            others[i:j] = False
+            odds[i] = evidence(y, sigma, factor, i, j, others, unit, off)
+            others[i:j] = left_out[i:j]
         i = j + 1

@@ -11,6 +11,8 @@ from ._quantiles import quantile
 from .artefacts import SHIFT, Body, runs
 from .smoothing import Strength
 
+import os
+PA,PN,TN,TF,GIV=(float(x) for x in os.environ.get('PP','.05,1,3.5,0,1').split(','))
 BELIEVED = 1.5  # log odds of a run
 BESIDE = -3.0  # next to a channel of the joint that is believed
 LEAST_NOISE = 1e-6  # degrees
@@ -35,7 +37,19 @@ def bursts(
     sigma = np.maximum(at.sigma, LEAST_NOISE * units)
     usual = 0.5 * 1.4826 * quantile(np.abs(np.diff(y, 3, axis=1)), 0.5)
     for c in range(len(y)):
-        _bursts.pursue(y[c], sigma[c], at.smoothing[c], usual[c], BELIEVED, units[c], found[c], out[c])
+        _bursts.pursue(y[c], sigma[c], at.smoothing[c], usual[c], BELIEVED, units[c], found[c], out[c], 3.0)
+    odds = np.empty_like(y)
+    for c in range(len(y)):
+        _bursts.odds_of(y[c], sigma[c], at.smoothing[c], units[c], (out[c]|found[c])&~given[c], out[c], odds[c])
+    L = odds[np.isfinite(odds)]
+    G = GIV*sum(len(runs(one)) for one in given)
+    pi = PA
+    for _ in range(30):
+        pi = (PA*PN + G + (1/(1+np.exp(-(L + np.log(pi/(1-pi)))))).sum())/(PN+G+len(L))
+    prior = np.log(pi/(1-pi))
+    out = given.copy()
+    for c in range(len(y)):
+        _bursts.pursue(y[c], sigma[c], at.smoothing[c], usual[c], TN-prior, units[c], found[c], out[c], prior-TF)
     new = out & ~bad
     for group, turn in zip(groups, turns, strict=True):
         together = new[group].any(0)
