@@ -8,7 +8,7 @@ from .._jit import kernel
 from ._evidence import LONGEST, NEVER, REACH, VISIBLE, evidence, root
 
 BURST = 10  # frames that a run has at most unless the search found it
-NEVERS = 0.0
+NEVERS = 100.0
 FOUND = 3.0  # log odds for a run that the search found
 HOT = 2.5  # usual deviations of a leap, from where a run may begin or end
 PART, SEEN = 0.15, 3.0  # of a run's largest deviation, of noise: frames that are off by less are good ones between two
@@ -111,7 +111,7 @@ def among_found(data, given, left_out):
                 whole = (i == 0 or not found[i - 1]) and (j == n or not found[j])
                 all_found[i:j] = False
                 odds = evidence(y, sigma, factor, i, j, all_found, unit, np.empty(LONGEST))
-                left_out[i:j] = odds > -bonus or (whole and odds == NEVER and bonus > NEVERS)
+                left_out[i:j] = odds > -bonus or (whole and odds == NEVER + 0.5 and bonus > 0.0)
                 all_found[i:j] = True
         i = j + 1
 

@@ -234,7 +234,7 @@ def weighed(y, sigma, factor, p, q, left_out, unit, off, z, odds):
         entry=leave=entry/SCALE
     less, more = min(entry, leave), max(entry, leave)
     if less < VISIBLE * sigma:
-        return NEVER
+        return NEVER + 0.5
     less, more = min(less, TELLING * unit), min(more, TELLING * unit)
     leaps = LESS * np.log(less / unit) + MORE * np.log(more / unit) - CURVED * np.log(curved / unit)
     return ODDS * min(odds, 60.0) + leaps - LONG * np.log(m) + BIAS - once

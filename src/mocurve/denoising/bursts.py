@@ -12,6 +12,7 @@ from .artefacts import SHIFT, Body, runs
 from .smoothing import Strength
 
 import os
+EC=float(os.environ.get("EC","4"))
 PA,PN,TN,TF,GIV=(float(x) for x in os.environ.get('PP','.05,1,3.5,0,1').split(','))
 BELIEVED = 1.5  # log odds of a run
 BESIDE = -3.0  # next to a channel of the joint that is believed
@@ -45,7 +46,7 @@ def bursts(
     G = GIV*sum(len(runs(one)) for one in given)
     pi = PA
     for _ in range(30):
-        pi = (PA*PN + G + (1/(1+np.exp(-(L + np.log(pi/(1-pi)))))).sum())/(PN+G+len(L))
+        pi = (PA*PN + G + (1/(1+np.exp(EC-L - np.log(pi/(1-pi))))).sum())/(PN+G+len(L))
     prior = np.log(pi/(1-pi))
     out = given.copy()
     for c in range(len(y)):
