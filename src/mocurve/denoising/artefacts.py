@@ -76,13 +76,10 @@ def repeats(y: np.ndarray) -> np.ndarray:
     return bad
 
 
-import os
-FZ=float(os.environ.get("FZ","3"))
 def believed(
     frozen: np.ndarray,
     y: np.ndarray,
     x: np.ndarray,
-    variance,
     sigma: np.ndarray,
     zero: np.ndarray,
     groups: Sequence[np.ndarray],
@@ -100,8 +97,7 @@ def believed(
             chord = y[group, a - 1, None] + (y[group, b] - y[group, a - 1])[:, None] * along
             swing, leap = np.abs(x[group, a:b] - chord).max(1), np.abs(y[group, a:b] - chord).max(1)
             stopped = zero[group, a:b].all() and np.linalg.norm(leap) < np.linalg.norm(swing)
-            away = (np.abs(y[group, a:b] - x[group, a:b])/np.sqrt(1+variance[group,a:b])).max(1)
-            if stopped or (np.linalg.norm(leap) < VISIBLE * np.linalg.norm(sigma[group]) and not (away> FZ*sigma[group]).any()):
+            if stopped or np.linalg.norm(leap) < VISIBLE * np.linalg.norm(sigma[group]):
                 out[group, a:b] = False
     return out
 
