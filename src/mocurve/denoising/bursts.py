@@ -13,7 +13,7 @@ from .smoothing import Strength
 
 FIRST = 2.0  # log odds that a run is foreign before it is looked at, for a first round
 RARE = 0.01  # of the runs that are weighed the foreign ones, where a clip shows none; counts as one run
-LEAD = 1.0  # log odds that do not count when the foreign ones are
+LEAD = 2.0  # log odds that do not count when the foreign ones are
 BESIDE = -3.0  # next to a channel of the joint that is believed
 LEAST_NOISE = 1e-6  # degrees
 STEPS = 30  # of the maximisation
@@ -32,8 +32,8 @@ def bursts(
     """Frames (C, n) that the evidence calls bad: the given ones, of those that the search calls bad all that are no
     motion after all, and runs that it overlooked.
 
-    What a clip holds elsewhere tells what to think of a doubtful run: one that looks like many others that are certainly
-    foreign is believed, and one in a clip without any other, most likely a kick, is not.
+    What else a clip holds tells what to think of a doubtful run: beside many that are certainly foreign it is believed,
+    and in a clip without any other it is not, for most likely it is a kick.
     at: strengths without the bad ones; certain: runs, found otherwise, that are no motion; turns (groups, n): second
     difference of a joint's rotation itself, without which only its notation leaps."""
     units = body.shift / SHIFT
@@ -51,7 +51,7 @@ def bursts(
     for c in range(len(y)):
         marked = (out[c] | found[c]) & ~given[c]
         _bursts.odds_of(y[c], sigma[c], at.smoothing[c], units[c], marked, out[c], odds[c])
-    out = weighed(_usual_odds(odds[np.isfinite(odds)], certain))
+    out = weighed(usual_odds(odds[np.isfinite(odds)], certain))
     new = out & ~bad
     for group, turn in zip(groups, turns, strict=True):
         together = new[group].any(0)
@@ -64,7 +64,7 @@ def bursts(
     return out
 
 
-def _usual_odds(odds: np.ndarray, certain: int) -> float:
+def usual_odds(odds: np.ndarray, certain: int) -> float:
     """Log odds that a run of this clip is foreign before it is looked at: the part of the foreign among those with
     these odds and some that are certain, by expectation and maximisation, which begins with a clip without any."""
     part = RARE
