@@ -3,10 +3,9 @@
 Truths: *lp6*, real clips low-passed at 6 Hz; *raw*, the same clips as they are (decimated without a filter); *impact*,
 synthetic joints with velocity kinks, ringing of 10-16 Hz and kicks of 120-160 ms. Four sets of different joints or
 windows: parameters are chosen on `tune` and `fresh`, results are told for `held` and `last` too, the latter looked at
-once. Joints that come near
-gimbal lock or leap (a second difference over
-18 degrees at the clip's own rate) are not taken, nor the arms of the rokoko clip, which jump by 20 degrees and back
-within a few frames: the truth is to be a motion. All follows from the names and a seed.
+once. Joints that come near gimbal lock or leap (a second difference over 18 degrees at the clip's own rate) are not
+taken, nor the arms of the rokoko clip, which jump by 20 degrees and back within a few frames: the truth is to be a
+motion. All follows from the names and a seed.
 """
 
 from __future__ import annotations
