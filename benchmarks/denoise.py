@@ -1,6 +1,6 @@
 """Denoising without settings beside the best Butterworth filter that knows the truth: jitter, then artefacts.
 
-    python benchmarks/denoise.py [--set tune|held|fresh] [--quick] [--kinds jitter ...] [--json FILE] [--workers N]
+    python benchmarks/denoise.py [--set tune|held|fresh|last] [--quick] [--kinds jitter ...] [--json FILE] [--workers N]
 
 Every error is an RMSE over a case's channels, told as a ratio to the *oracle*: a second-order Butterworth filter, both
 ways, for each channel the best of 21 cut-offs knowing the truth, on the data without artefacts. *known* is the same
@@ -8,8 +8,8 @@ method told the true artefact frames (for lasting offsets, their sizes): the bou
 peer is a Hampel filter (11 frames, 3 deviations) in front of the Butterworth filter that knows the truth.
 Recall counts the samples that are off by over 5 sigma; precision and recall are over frames x channels. *Peaks* are the
 largest second differences near the three largest of the truth, where these exceed 5 sigma, as a part of the truth's.
-Parameters were chosen on `tune`, with an eye on `held`; `fresh` was run once all were settled. *leaps* are the *bursts*
-without frozen ones.
+Parameters were chosen on `tune`, with an eye on `held`, later ones on `fresh` too; `last` was run once all were
+settled. *leaps* are the *bursts* without frozen ones.
 """
 
 from __future__ import annotations
@@ -234,7 +234,7 @@ def measured(clean: Clean, which: str, quick: bool, kinds: tuple[str, ...] | Non
 def main(clean: Clean | None = None) -> None:
     """Measure a method: `mocurve.denoising.clean`, or another function of its form."""
     asked = ArgumentParser()
-    asked.add_argument("--set", choices=["tune", "held", "fresh"], default="tune")
+    asked.add_argument("--set", choices=["tune", "held", "fresh", "last"], default="tune")
     asked.add_argument("--quick", action="store_true", help="about a tenth of the cases")
     asked.add_argument("--kinds", nargs="*", help="jitter, correlated, " + ", ".join(KINDS))
     asked.add_argument("--json", type=Path, help="write the numbers of every case")

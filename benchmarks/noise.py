@@ -1,11 +1,11 @@
 """Truths, jitter and artefacts for the benchmarks of denoising, and the best Butterworth filter that knows the truth.
 
 Truths: *lp6*, real clips low-passed at 6 Hz; *raw*, the same clips as they are (decimated without a filter); *impact*,
-synthetic joints with velocity kinks, ringing of 10-16 Hz and kicks of 120-160 ms. Three disjoint sets: parameters are
-chosen on `tune`, results are told for `held` and `fresh` too, the latter looked at last. Joints that come near
-gimbal lock or leap (a second difference over
-18 degrees at the clip's own rate) are not taken, nor the arms of the rokoko clip, which jump by 20 degrees and back
-within a few frames: the truth is to be a motion. All follows from the names and a seed.
+synthetic joints with velocity kinks, ringing of 10-16 Hz and kicks of 120-160 ms. Four sets of different joints or
+windows: parameters are chosen on `tune` and `fresh`, results are told for `held` and `last` too, the latter looked at
+once. Joints that come near gimbal lock or leap (a second difference over 18 degrees at the clip's own rate) are not
+taken, nor the arms of the rokoko clip, which jump by 20 degrees and back within a few frames: the truth is to be a
+motion. All follows from the names and a seed.
 """
 
 from __future__ import annotations
@@ -78,7 +78,26 @@ FRESH = {
     "walk19, other side": Source("cmu/cmu_walk_daz19.bvh", 8, ("LeftShoulder", "RightHip", "LeftElbow")),
     "rokoko, end": Source("other/rokoko_dance_fingers.bvh", 400, ("Head", "LeftToeBase")),
 }
-SETS = {"tune": TUNE, "held": HELD, "fresh": FRESH}
+LAST = {
+    "jump, end": Source("cmu/cmu_01_01_jump.bvh", 2150, ("RightForeArm", "LeftUpLeg", "Neck")),
+    "walk, feet": Source("cmu/cmu_12_01_walk.bvh", 1, ("LeftFoot", "RightFoot", "LeftArm")),
+    "martial, start": Source("cmu/cmu_135_04_martial_daz.bvh", 60, ("lThigh", "rFoot", "abdomen")),
+    "martial, end": Source("cmu/cmu_135_04_martial_daz.bvh", 717, ("rThigh", "lFoot", "head")),
+    "dance, other side": Source("cmu/cmu_05_20_dance_motionbuilder.bvh", 60, ("LeftLeg", "RightForeArm", "Head")),
+    "dance, end": Source("cmu/cmu_05_20_dance_motionbuilder.bvh", 496, ("RightLeg", "LeftForeArm", "Neck")),
+    "indian, middle": Source("cmu/cmu_94_01_dance_max.bvh", 1900, ("LeftElbow", "RightKnee", "LeftHip")),
+    "indian, late": Source("cmu/cmu_94_01_dance_max.bvh", 2450, ("RightElbow", "LeftAnkle", "RightHip")),
+    "stroll, third": Source("cmu/cmu_02_01.amc", 0, ("rfemur", "rfoot", "lhumerus")),
+    "run, third": Source("cmu/cmu_02_03.amc", 0, ("lfemur", "rtibia", "lradius")),
+    "walk 16, third": Source("cmu/cmu_16_15.amc", 0, ("rtibia", "lfoot", "rfoot")),
+    "run 16, third": Source("cmu/cmu_16_41.amc", 0, ("ltibia", "lradius", "lfoot")),
+    "run 9, third": Source("cmu/cmu_09_01.amc", 0, ("lhumerus", "rtibia", "rradius")),
+    "sideways, middle": Source("cmu/cmu_09_12.amc", 850, ("ltibia", "lradius", "root at")),
+    "walk19, third": Source("cmu/cmu_walk_daz19.bvh", 8, ("RightElbow", "RightKnee", "LeftAnkle")),
+    "run19, other side": Source("cmu/cmu_run_filtered.bvh", 8, ("rShldr", "lThigh", "rFoot")),
+    "rokoko, start": Source("other/rokoko_dance_fingers.bvh", 0, ("Head",)),
+}
+SETS = {"tune": TUNE, "held": HELD, "fresh": FRESH, "last": LAST}
 
 
 class Case(NamedTuple):

@@ -84,6 +84,33 @@ def test_the_acceleration_of_a_kick_stays(fps: float, least: float) -> None:
     assert (kept > least * np.abs(np.diff(truth, 2, axis=0)).max(0)).all()
 
 
+@pytest.mark.parametrize("seed", [0, 1, 2])
+@pytest.mark.parametrize("last", [False, True])
+def test_a_motion_that_speeds_up_to_an_end_stays(last: bool, seed: int) -> None:
+    truth = swing(150, 30.0, 3, seed)
+    truth[:, 1] += 50 * np.exp(np.arange(-149, 1) / 1.4)
+    values = jitter(truth, 0.2, seed)
+    assert not clean(values if last else values[::-1], 30.0, JOINT).masked.any()
+
+
+def test_spikes_hide_no_frozen_run() -> None:
+    truth = 0.1 * swing(600, 120.0)
+    values, bad = jitter(truth, 0.2), np.zeros(truth.shape, bool)
+    bad[100:110] = bad[300:310] = True
+    values[100:110], values[300:310] = values[99], values[299]
+    values[20::60, 1] += 180.0
+    bad[20::60, 1] = True
+    np.testing.assert_array_equal(clean(values, 120.0, JOINT).masked, bad)
+
+
+@pytest.mark.parametrize("seed", [0, 2])
+def test_rest_that_is_stored_in_coarse_steps_is_no_dropout(seed: int) -> None:
+    rest = np.minimum(np.arange(600), 40)[:, None] * [0.2, 0.1, 0.3]  # it moves, then it stands
+    values = np.round(jitter(rest, 0.04, seed), 1)
+    assert len(runs(repeats(values.T))) > 20
+    assert not clean(values, 120.0, JOINT).frozen.any()
+
+
 @pytest.mark.parametrize("sigma", [0.0, 0.3])
 @pytest.mark.parametrize("fps", FAST_RATES)
 def test_a_knee_that_is_stopped_for_long_is_no_dropout(fps: float, sigma: float) -> None:

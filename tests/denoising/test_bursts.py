@@ -1,4 +1,4 @@
-"""Runs that leap out of the motion and back are foreign, kicks are not."""
+"""Runs that leap out of the motion and back are foreign, kicks are not; what else a clip holds settles doubt."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from gestures import jitter, swing
 from mocurve.denoising import clean
 from mocurve.denoising._bursts import pairs, pursue
 from mocurve.denoising._evidence import LONGEST, evidence, root
+from mocurve.denoising.bursts import FIRST, usual_odds
 
 SIGMA, FPS, SMOOTHING = 0.3, 30.0, 0.5
 
@@ -25,7 +26,7 @@ def asked(y: np.ndarray, first: int, last: int, unit: float = 1.0) -> float:
 def left_out(y: np.ndarray, found: np.ndarray) -> np.ndarray:
     out = np.zeros(len(y), bool)
     usual = 0.5 * 1.4826 * float(np.median(np.abs(np.diff(y, 3))))
-    pursue(y, SIGMA, SMOOTHING, usual, 1.5, 1.0, found, out)
+    pursue(y, SIGMA, SMOOTHING, usual, 1.0, FIRST, found, out)
     return out
 
 
@@ -64,9 +65,10 @@ def test_what_a_search_found_is_given_back_where_it_hardly_leaps(sign: int) -> N
     assert not left_out(y, found).any()
 
 
-def test_two_runs_that_hide_each_other_stay() -> None:
+@pytest.mark.parametrize("runs", [(100, 102, 107, 112), (100, 105, 113, 118), (100, 103, 104, 114)])
+def test_two_runs_that_hide_each_other_stay(runs: tuple[int, int, int, int]) -> None:
     y, found = channel(), np.zeros(240, bool)
-    found[100:102], found[107:112] = True, True
+    found[runs[0] : runs[1]], found[runs[2] : runs[3]] = True, True
     y[found] += 180.0
     np.testing.assert_array_equal(left_out(y, found), found)
 
@@ -100,3 +102,25 @@ def test_bursts_at_30_fps_are_found_to_the_frame(seed: int) -> None:
         values[first : first + length, where] += off
         bad[first : first + length, where] = True
     np.testing.assert_array_equal(clean(values, FPS, [np.arange(3)]).masked, bad)
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_a_doubtful_run_stays_where_it_is_alone_and_goes_among_others(seed: int) -> None:
+    values, bad = jitter(swing(300, FPS, 3, seed), SIGMA, seed), np.zeros((300, 3), bool)
+    values[150:152, 1] += 7.0
+    assert not clean(values, FPS, [np.arange(3)]).masked.any()
+    others = np.array([30, 60, 90, 210, 240, 270]), np.array([0, 2, 1, 0, 2, 1])
+    values[others] += 40.0
+    bad[others] = bad[150:152, 1] = True
+    np.testing.assert_array_equal(clean(values, FPS, [np.arange(3)]).masked, bad)
+
+
+def test_weak_odds_alone_make_nothing_usual_and_certain_ones_do() -> None:
+    nothing = usual_odds(np.zeros(0), 0)
+    assert nothing < -4
+    for count in (1, 5, 100):
+        assert usual_odds(np.full(count, 1.0), 0) < -2
+        assert usual_odds(np.full(count, -9.0), 0) <= nothing
+    assert usual_odds(np.full(30, 10.0), 0) > 2
+    assert usual_odds(np.full(30, 10.0), 0) > usual_odds(np.r_[np.full(30, 10.0), np.full(30, -5.0)], 0) > -1
+    assert usual_odds(np.zeros(2), 30) > 2

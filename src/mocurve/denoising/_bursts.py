@@ -5,21 +5,21 @@ from __future__ import annotations
 import numpy as np
 
 from .._jit import kernel
-from ._evidence import LONGEST, NEVER, REACH, VISIBLE, evidence, root
+from ._evidence import LONGEST, NEVER, ONE_SIDED, REACH, VISIBLE, evidence, root
 
 BURST = 10  # frames that a run has at most unless the search found it
-FOUND = 3.0  # log odds for a run that the search found
+NEW = 2.5  # log odds that a run which the search overlooked is short of
 HOT = 2.5  # usual deviations of a leap, from where a run may begin or end
 PART, SEEN = 0.15, 3.0  # of a run's largest deviation, of noise: frames that are off by less are good ones between two
 
 
 @kernel
-def pursue(y, sigma, smoothing, usual, believed, unit, found, left_out):
+def pursue(y, sigma, smoothing, usual, unit, prior, found, left_out):
     """Adds to left_out (n,) the frames of a channel y (n,) that are foreign; found (n,): those that a search proposes.
 
-    usual: standard deviation of the leap between two frames, as the third difference tells it; believed: log odds;
-    unit: one degree in the channel's unit."""
-    data = y, sigma, root(smoothing), unit, believed, found
+    usual: standard deviation of the leap between two frames, as the third difference tells it; unit: one degree in the
+    channel's unit; prior: log odds that a run is foreign before it is looked at."""
+    data = y, sigma, root(smoothing), unit, prior, found
     given = left_out.copy()
     keep_long(found, given)
     left_out[:] = given
@@ -44,14 +44,14 @@ def keep_long(found, given):
 @kernel
 def best_first(data, least, given, left_out):
     """Leaves out the run with the highest odds, weighs those around it again, and so on."""
-    y, sigma, factor, unit, believed, found = data
+    y, sigma, factor, unit, _, found = data
     starts, ends = pairs(y, least, found, given)
     odds, off = np.empty(len(starts)), np.empty(LONGEST)
     for k in range(len(starts)):
         odds[k] = weigh(data, starts[k], ends[k], left_out)
     while len(odds):
         best = np.argmax(odds)
-        if odds[best] <= believed:
+        if odds[best] <= 0.0:
             break
         p, q = starts[best], ends[best]
         evidence(y, sigma, factor, p, q, left_out, unit, off)
@@ -69,18 +69,29 @@ def best_first(data, least, given, left_out):
 
 @kernel
 def weigh(data, p, q, left_out):
-    """Log odds of a run, what the search says counted in."""
-    y, sigma, factor, unit, believed, found = data
-    odds = evidence(y, sigma, factor, p, q, left_out, unit, np.empty(LONGEST))
-    if found[p:q].all():
-        return max(odds + believed + FOUND, NEVER + 1.0)  # what hides it now may be left out later
-    return odds
+    """Log odds of a run, prior and search counted in."""
+    y, sigma, factor, unit, prior, found = data
+    off = np.empty(LONGEST)
+    odds = evidence(y, sigma, factor, p, q, left_out, unit, off)
+    if not found[p:q].all():
+        return odds + prior - NEW if odds > ONE_SIDED else odds
+    first, last = p, q
+    while first > 0 and found[first - 1]:
+        first -= 1
+    while last < len(y) and found[last]:
+        last += 1
+    near = slice(max(0, first - REACH), min(len(y), last + REACH))
+    if (found[near] & ~left_out[near]).sum() > last - first:  # others may hide it
+        others = left_out | found
+        others[first:last] = left_out[first:last]
+        odds = max(odds, evidence(y, sigma, factor, p, q, others, unit, off))
+    return max(odds + prior, NEVER + 1.0)  # what hides it now may be left out later
 
 
 @kernel
 def ask_again(data, given, left_out):
     """Takes back runs that are not believed now that all others are known."""
-    believed, found = data[4], data[5]
+    found = data[5]
     i, n = 0, len(left_out)
     while i < n:
         j = i
@@ -89,28 +100,28 @@ def ask_again(data, given, left_out):
         if j > i:
             left_out[i:j] = False
             fits = j - i <= LONGEST and (found[i:j].all() or (i >= 2 and j <= n - 2))
-            left_out[i:j] = fits and weigh(data, i, j, left_out) > believed
+            left_out[i:j] = fits and weigh(data, i, j, left_out) > 0.0
         i = j + 1
 
 
 @kernel
 def among_found(data, given, left_out):
-    """Leaves out runs that the search found and that hid one another, or of which the evidence says nothing, unless
-    what is new nearby explains them."""
-    y, sigma, factor, unit, _, found = data
+    """Leaves out runs, or what is left of them, that the search found and that hid one another, and such as leap but on
+    one side where most runs are foreign, unless what is new nearby explains them."""
+    y, sigma, factor, unit, prior, found = data
     all_found = left_out | found
     i, n = 0, len(y)
     while i < n:
         j = i
-        while j < n and found[j] and not given[j]:
+        while j < n and found[j] and not left_out[j]:
             j += 1
-        if j > i and not left_out[i:j].any():
-            near = slice(max(0, i - REACH), min(n, j + REACH))
-            if not (left_out[near] & ~found[near] & ~given[near]).any():
-                all_found[i:j] = False
-                odds = evidence(y, sigma, factor, i, j, all_found, unit, np.empty(LONGEST))
-                left_out[i:j] = odds > -FOUND or odds == NEVER
-                all_found[i:j] = True
+        near = slice(max(0, i - REACH), min(n, j + REACH))
+        if j > i and not (left_out[near] & ~found[near] & ~given[near]).any():
+            whole = (i == 0 or not found[i - 1]) and (j == n or not found[j])
+            all_found[i:j] = False
+            odds = evidence(y, sigma, factor, i, j, all_found, unit, np.empty(LONGEST))
+            left_out[i:j] = odds + prior > 0.0 or (whole and odds == ONE_SIDED and prior > 0.0)
+            all_found[i:j] = True
         i = j + 1
 
 
@@ -155,4 +166,21 @@ def beside(y, sigma, smoothing, believed, unit, others, left_out):
             j += 1
         if j > i and i >= 2 and j <= n - 2 and j - i <= LONGEST and not left_out[i:j].any():
             left_out[i:j] = evidence(y, sigma, factor, i, j, left_out, unit, off) > believed
+        i = j + 1
+
+
+@kernel
+def odds_of(y, sigma, smoothing, unit, marked, left_out, odds):
+    """Log odds (n,) of each run marked (n,), at its first frame; elsewhere NaN."""
+    factor, off, others = root(smoothing), np.empty(LONGEST), left_out.copy()
+    i, n = 0, len(y)
+    odds[:] = np.nan
+    while i < n:
+        j = i
+        while j < n and marked[j]:
+            j += 1
+        if j > i and j - i <= LONGEST:
+            others[i:j] = False
+            odds[i] = evidence(y, sigma, factor, i, j, others, unit, off)
+            others[i:j] = left_out[i:j]
         i = j + 1

@@ -24,7 +24,8 @@ NEAR = 8  # frames in which curvature counts
 FAVOURED, VISIBLE = 3.0, 4.0  # log odds of the curves alone, and deviations of noise, that there have to be
 ODDS, LESS, MORE, CURVED, LONG, BIAS = 0.22, 2.12, 2.67, 1.74, 1.21, -11.1  # weights of evidence
 TELLING = 25.0  # degrees: a larger leap tells nothing more
-NEVER = -50.0
+ONCE = 2.0  # log odds that a run at an end of the clip is short of: nobody saw it leap back
+NEVER, ONE_SIDED = -50.0, -49.5  # log odds of what the curves do not speak for; of what does not leap in and out
 
 
 @kernel
@@ -224,11 +225,12 @@ def weighed(y, sigma, factor, p, q, left_out, unit, off, z, odds):
     before = 0.0 if p == 0 or left_out[p - 1] else abs(y[p - 1] - x[p - 1 - first])
     after = 0.0 if q == len(y) or left_out[q] else abs(y[q] - x[q - first])
     entry, leave = abs(off[0]) - before, abs(off[m - 1]) - after
-    if p == 0 or q == len(y):  # it leaps but once
+    at_end = p == 0 or q == len(y)
+    if at_end:  # it leaps but once
         entry = leave = leave if p == 0 else entry
     less, more = min(entry, leave), max(entry, leave)
     if less < VISIBLE * sigma:
-        return NEVER
+        return ONE_SIDED
     less, more = min(less, TELLING * unit), min(more, TELLING * unit)
     leaps = LESS * np.log(less / unit) + MORE * np.log(more / unit) - CURVED * np.log(curved / unit)
-    return ODDS * min(odds, 60.0) + leaps - LONG * np.log(m) + BIAS
+    return ODDS * min(odds, 60.0) + leaps - LONG * np.log(m) + BIAS - (ONCE if at_end else 0.0)

@@ -18,6 +18,7 @@ END = 6  # frames it may skip at an end of the clip
 TRIGGER = 4.0  # standard deviations of the second difference
 LEAST, MOST = 3, 30  # frames that repeat: a dropout
 VISIBLE = 2.0  # standard deviations of noise that a frozen joint is off at least
+COARSE = 3.0  # steps of its resolution that it is off at least
 HELD = 0.3  # of all frames repeat: the channel is stored coarsely, no dropout
 SHARPEST = 1e5  # degrees/s2 that no joint exceeds: kicks and impacts of people stay below
 LEAP = 250.0  # degrees/s: slower jumps are no artefacts
@@ -84,12 +85,14 @@ def believed(
     zero: np.ndarray,
     groups: Sequence[np.ndarray],
 ) -> np.ndarray:
-    """Of the frozen runs (C, n) those where the joint leaps visibly; what rests may well repeat itself.
+    """Of the frozen runs (C, n) those where the joint leaps visibly, by more than noise and the steps that its samples
+    are stored in; what rests may well repeat itself.
 
     Where it is zero (C, n) the fit x without the run has to be the simpler curve too, swinging less about the chord
     than the joint leaps: a knee that is stopped at zero for long leaves a gap that no curve crosses well."""
     out = frozen.copy()
     for group in groups:
+        least = max(VISIBLE * np.linalg.norm(sigma[group]), COARSE * np.linalg.norm(_resolution(y[group])))
         for a, b in runs(frozen[group].any(0)):
             if a == 0 or b == y.shape[1]:
                 continue
@@ -97,9 +100,15 @@ def believed(
             chord = y[group, a - 1, None] + (y[group, b] - y[group, a - 1])[:, None] * along
             swing, leap = np.abs(x[group, a:b] - chord).max(1), np.abs(y[group, a:b] - chord).max(1)
             stopped = zero[group, a:b].all() and np.linalg.norm(leap) < np.linalg.norm(swing)
-            if stopped or np.linalg.norm(leap) < VISIBLE * np.linalg.norm(sigma[group]):
+            if stopped or np.linalg.norm(leap) < least:
                 out[group, a:b] = False
     return out
+
+
+def _resolution(y: np.ndarray) -> np.ndarray:
+    """(C,) the step that samples are stored in, if it is a coarse one: what nearly all frame steps but 0 exceed."""
+    steps = np.abs(np.diff(y, axis=1))
+    return np.array([np.quantile(some[some > 0], 0.01) if (some > 0).any() else 0.0 for some in steps])
 
 
 def runs(marked: np.ndarray) -> list[tuple[int, int]]:

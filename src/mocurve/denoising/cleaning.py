@@ -82,7 +82,8 @@ def clean(
         if frozen.any():
             w = (~(lost | frozen)).astype(np.float64)
             at = smoothing.strength(y, w, pools, strength)
-            frozen = artefacts.believed(frozen, y, smoothing.fit(y, w, at)[0], at.sigma, zero, groups)
+            level = np.minimum(at.sigma, artefacts.noise_level(bridged(y, lost | frozen)))  # spikes are still there
+            frozen = artefacts.believed(frozen, y, smoothing.fit(y, w, at)[0], level, zero, groups)
         filled = bridged(y, lost | frozen)
         level = artefacts.noise_level(filled)
         displaced = steps.offsets(filled, level, body.sharpest, body.leap, artefacts.GAP)
@@ -101,7 +102,9 @@ def clean(
         bad, near = _found(y, filled, filled_in, level, groups, pools, body, turns, strength, fps)
         if y.shape[1] >= 2 * SHORTEST:
             near, _ = _strength(filled, bad, pools, strength, near, level)
-            bad = bursts(filled, near, bad, filled_in, groups, body, turns)
+            certain = sum(len(artefacts.runs(channel)) for channel in frozen)
+            given = lost | frozen
+            bad = bursts(bridged(y, given), near, bad, given, certain, groups, body, turns)
     else:
         bad = np.ascontiguousarray(known.T) | lost
         frozen &= bad
