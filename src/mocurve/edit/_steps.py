@@ -56,7 +56,7 @@ class Steps:
     pivoted: float = 0.0
 
     def __str__(self) -> str:
-        gone = f"; {self.released} let go" if self.released else ""
+        gone = f", {self.released} of them let go," if self.released else ""
         turns = f"; {self.pivots} turn on the spot, by up to {self.pivoted:.0f} degrees" if self.pivots else ""
         slope = f", on slopes by {self.sunk:.2g} cm besides," if self.sunk else ""
         return (
