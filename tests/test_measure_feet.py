@@ -76,6 +76,12 @@ def test_a_lifted_foot_touches_nothing_and_has_no_sole() -> None:
     assert found.kept == 0.0  # lifting hides nothing
 
 
+def test_a_clip_of_few_frames_a_second_is_measured_as_it_is_and_takes_no_memory() -> None:
+    slow = sliding(60.0, fps=0.5)
+    assert slow.ratio == pytest.approx(115 / 119)  # less two at each end, as above
+    assert sliding(60.0, fps=1e-12).ratio == pytest.approx(115 / 119)
+
+
 def test_compare_tells_the_feet_of_both_clips_where_the_first_stands() -> None:
     step = walk_left()
     same = mc.compare(step, step).feet

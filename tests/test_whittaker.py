@@ -28,3 +28,12 @@ def test_a_wave_of_two_pi_widths_is_halved() -> None:
     wave = np.cos(np.arange(2001) / 15.0)[:, None]
     made = smoothed(wave, np.ones(2001), 15.0)
     assert made[1000, 0] / wave[1000, 0] == pytest.approx(0.5, abs=0.01)
+
+
+def test_the_widest_is_a_straight_line_and_wider_is_as_wide() -> None:
+    values = np.random.default_rng(3).normal(size=(419, 2))
+    line = np.polynomial.polynomial.polyval(
+        np.arange(419.0), np.polynomial.polynomial.polyfit(np.arange(419.0), values, 1)
+    )
+    for width in (2000.0, 1e6, 1e300):
+        np.testing.assert_allclose(smoothed(values, np.ones(419), width), line.T, atol=1e-3)

@@ -12,7 +12,7 @@ from .errors import Mismatch, OptionError
 from .feet.planted import FOOT
 from .info import first_frame_is_t_pose
 from .motion import Clip, Motion
-from .path import Fit, Path, chebyshev_places, too_few
+from .path import LARGEST, Fit, Path, chebyshev_places, too_few
 from .whittaker import smoothed
 
 SMOOTH = 0.25  # seconds: of the track `smooth`; waves of 1.6 s are halved, those of a stride nearly gone
@@ -67,6 +67,12 @@ def tracked(motion: Motion, fit: Fit) -> np.ndarray:
     if not motion.frames:
         raise Mismatch("a clip without frames has no path")
     root = roots(motion)
+    far = np.abs(root).max(axis=1) > LARGEST
+    if far.any():
+        frame = int(np.argmax(far))
+        raise Mismatch(
+            f"the root is {np.abs(root[frame]).max():.3g} units away at frame {frame}, more than {LARGEST:g}"
+        )
     bad = ~np.isfinite(root).all(axis=1)
     if bad.any():
         raise Mismatch(f"the root has no place at frame {int(np.argmax(bad))}: fill the gaps first, with denoise")

@@ -327,3 +327,12 @@ def test_a_body_that_stands_along_z_is_told() -> None:
     lying = replace(clip, skeleton=turned, values=np.where(clip.skeleton.rotation_channels, 0.0, clip.values))
     with pytest.warns(UserWarning, match="the body seems to stand along z: a path lies on the ground x, z"):
         laid(lying, SHORT)
+
+
+def test_clips_of_odd_rates_and_sizes_are_followed_or_refused() -> None:
+    clip = walking()
+    path = Path([(0, 0), (50, 300)])
+    for seconds in (1e-9, 1e-6, 1e3, 1e9):
+        assert mc.follow(replace(clip, frame_time=seconds), path, lock_feet=False).frames == clip.frames
+    with pytest.raises(Mismatch, match=r"the root is .*e\+30[01] units away at frame 0"):
+        mc.follow(replace(clip, values=clip.values * 1e300 + 1e300), path)

@@ -155,7 +155,8 @@ def motion_variance(bend: np.ndarray, noise: np.ndarray, sharpest: np.ndarray, f
 
 def _local_median(a: np.ndarray, width: int) -> np.ndarray:
     """Medians over blocks of about width frames, every half width, and straight lines between."""
-    n, half = a.shape[1], max(1, width // 2)
+    n = a.shape[1]
+    half = max(1, min(width // 2, n))
     padded = np.pad(a, ((0, 0), (half, half)), constant_values=np.nan)
     medians = median_of_windows(sliding_window_view(padded, 2 * half + 1, axis=1)[:, ::half])
     blocks = medians.shape[1]

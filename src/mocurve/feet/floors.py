@@ -8,7 +8,7 @@ import numpy as np
 
 FLOOR = 5.0  # percent of the frames are lower than where the search for a joint's own floor begins
 TILT, BANDS = 0.03, (3.0, 3.0, 2.0, 1.5, 1.0, 1.0)  # usual slope of a floor; heights within which it is looked for
-APART = 25.0  # cm: places that are as near are one
+APART, MANY = 25.0, 1000  # cm: places that are as near are one; more places are not counted
 
 
 def floors(points: Sequence[np.ndarray], slow: Sequence[np.ndarray], height: float, feet: int) -> list[np.ndarray]:
@@ -19,8 +19,8 @@ def floors(points: Sequence[np.ndarray], slow: Sequence[np.ndarray], height: flo
     level = [_plane(part, start, height) for part, start in zip(slow, starts, strict=True)]
     counts = [_places(part[low]) for part, (_, low) in zip(slow, level, strict=True)]
     planes = [plane for plane, _ in level]
-    if sum(counts) < sum(map(_places, slow)):
-        apart = np.concatenate([part - part.mean(axis=0) for part in slow if len(part)])
+    apart = np.concatenate([part - part.mean(axis=0) for part in slow if len(part)] or [np.zeros((0, 3))])
+    if sum(counts) < sum(map(_places, slow)) and np.isfinite(apart).all():
         slope = np.linalg.lstsq(apart[:, ::2], apart[:, 1], rcond=None)[0]
         ramp = [_plane(part, _start(part, slope), height) for part in slow]
         more = [_places(part[low]) for part, (_, low) in zip(slow, ramp, strict=True)]
@@ -64,9 +64,9 @@ def _flat(slow: np.ndarray) -> np.ndarray:
 
 
 def _places(slow: np.ndarray) -> int:
-    """How many places (N, 3) there are that are a step apart."""
+    """How many places (N, 3) there are that are a step apart, up to MANY."""
     count = 0
-    while len(slow):
+    while len(slow) and count < MANY:
         slow = slow[np.linalg.norm(slow[:, ::2] - slow[0, ::2], axis=1) > APART]
         count += 1
     return count

@@ -119,15 +119,16 @@ def _steps(track: np.ndarray) -> np.ndarray:
 
 
 def _ratio(balls: np.ndarray, frame_time: float) -> float:
-    times = np.arange(int((balls.shape[1] - 1) * frame_time * RATIO_RATE + 1e-9) + 1) / RATIO_RATE
-    if len(times) < 2:
+    rate = min(RATIO_RATE, 1.0 / frame_time)  # slower clips as they are
+    last = balls.shape[1] - 1.0
+    at = np.minimum(np.arange(int(last * frame_time * rate + 1e-9) + 1) / (rate * frame_time), last)
+    if len(at) < 2:
         return 0.0
-    at = np.minimum(times / frame_time, balls.shape[1] - 1.0)
     whole = np.minimum(at.astype(np.int64), balls.shape[1] - 2)
     part = (at - whole)[:, None]
     seen = (1.0 - part) * balls[:, whole] + part * balls[:, whole + 1]
     low = (seen[:, 1:, 1] < RATIO_LOW) & (seen[:, :-1, 1] < RATIO_LOW)
-    pace = _steps(seen) * RATIO_RATE
+    pace = _steps(seen) * rate
     mean = uniform_filter1d(pace, RATIO_MEAN, axis=1, mode="constant")
     return float((low & (pace > RATIO_FAST) & (mean > RATIO_FAST)).any(axis=0).mean())
 
