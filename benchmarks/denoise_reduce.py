@@ -1,6 +1,6 @@
 """Denoise and reduce in one step against denoising alone, and against reducing the noisy clip.
 
-    python benchmarks/denoise_reduce.py [--set tune|held] [--quick]
+    python benchmarks/denoise_reduce.py [--set tune|held|fresh|last] [--quick]
 
 `mc.reduce(clip, denoise=True)` has its tolerance from the noise. Told: RMSE to the truth as a ratio to the oracle's
 and to that of `mc.denoise`; keys a frame and channel; the least RMSE that plain `mc.reduce` on the noisy clip reaches
@@ -15,7 +15,7 @@ from argparse import ArgumentParser
 
 import numpy as np
 from denoise import SHAPES, rmse
-from noise import JITTER, RATES, Case, cases, oracle
+from noise import JITTER, RATES, SETS, Case, cases, oracle
 
 import mocurve as mc
 from mocurve.skeleton import Skeleton
@@ -61,7 +61,7 @@ def row(case: Case) -> tuple[float, ...]:
 
 def main() -> None:
     asked = ArgumentParser()
-    asked.add_argument("--set", choices=["tune", "held"], default="held")
+    asked.add_argument("--set", choices=list(SETS), default="held")
     asked.add_argument("--quick", action="store_true")
     options = asked.parse_args()
     warnings.simplefilter("ignore")
