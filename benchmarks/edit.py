@@ -75,7 +75,8 @@ def retimed(walk: mc.Motion, count: int) -> tuple[float, float]:
     fine = np.linspace(0, end, 4001)
     truth = clip.at(time_map(clip, pairs).back(fine))[:, :3]
     moved, refit = (mc.retime(clip, pairs, mode=mode).at(fine)[:, :3] for mode in ("knots", "refit"))
-    return tuple(float(np.abs(made - truth).max()) * CMU_CENTIMETRES for made in (moved, refit))  # type: ignore[return-value]
+    by_knots, by_fit = (float(np.abs(made - truth).max()) * CMU_CENTIMETRES for made in (moved, refit))
+    return by_knots, by_fit
 
 
 def seconds(work: Callable[[], object], rounds: int) -> float:

@@ -5,9 +5,10 @@ runs, and how long it takes to move one control point.
 
 Distances are compared with an integral on 4096 intervals a span. Forward stepping sums chords of steps of 0.001 of the
 curve until the distance is reached. Laws are the largest distance of a joint, by forward kinematics, from where it has
-to be. What follows is the worst of the five paths: the largest step and second difference of a joint, times the clip's;
-how fast the balls of the feet slide in contact in the clip and carried (cm/s); then held, the contacts let go, and how
-far the hips go down for it (cm), the worst of four paths, and on the slalom, whose bends have a radius of 17 cm.
+to be; the way back also with the history forgotten and the path named (--of), and so through a BVH file. What follows
+is the worst of the five paths: the largest step and second difference of a joint, times the clip's; how fast the balls
+of the feet slide in contact in the clip and carried (cm/s); then held, the contacts let go, and how far the hips go
+down for it (cm), the worst of four paths, and on the slalom, whose bends have a radius of 17 cm.
 Slopes: how far balls in contact are from the slope at most, beside their height over the floor of the clip, each foot
 on it and the body lifted (cm); how far heels are; how fast balls slide (cm/s), contacts let go, how far the hips go
 down and aside for it, and down because the slope asks for it (cm), and the knees' angular acceleration, largest and
@@ -23,7 +24,9 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from itertools import pairwise
+from pathlib import Path
 from statistics import median
+from tempfile import TemporaryDirectory
 from time import process_time
 
 import numpy as np
@@ -136,14 +139,15 @@ def normal(basis: np.ndarray, track: np.ndarray) -> tuple[np.ndarray, np.ndarray
 
 
 def laws(paths: dict[str, mc.Path]) -> None:
-    heads = "".join(f"{head:>10}" for head in ("residual", "own path", "moved", "way back", "step", "bend"))
+    heads = "".join(f"{head:>10}" for head in ("residual", "own path", "moved", "way back", "by --of", "file"))
+    heads += f"{'step':>10}{'bend':>10}"
     heads += f"{'slide':>8}{'carried':>8}{'held':>8}{'let go':>8}{'drop':>6}  slalom{'held':>6}{'let go':>8}{'drop':>6}"
     print(f"\n{'laws, cm':10}{heads}")
     for name, heading in [*((name, "tangent") for name in CLIPS), ("09_12", "facing")]:
         motion = clip(name)
         own, places = mc.Path.of(motion), world(motion)
         moved = mc.follow(motion, own.moved(MOVED))
-        worst = [off(mc.follow(motion, own), places), off(moved, planar.move(MOVED, places)), 0.0]
+        worst = [off(mc.follow(motion, own), places), off(moved, planar.move(MOVED, places)), 0.0, 0.0, 0.0]
         feet = []
         rough = np.zeros(2)
         for path in paths.values():
@@ -153,6 +157,8 @@ def laws(paths: dict[str, mc.Path]) -> None:
             rough = np.maximum(rough, jumps(world(made)) / jumps(places))
             if heading == "tangent":
                 worst[2] = max(worst[2], off(mc.follow(made, own, lock_feet=False), places))
+                for place, there in ((3, replace(made, history=())), (4, through_bvh(made))):
+                    worst[place] = max(worst[place], off(mc.follow(there, own, of=path, lock_feet=False), places))
         away = CM * float(np.sqrt(np.mean(own.residuals(motion) ** 2)))
         told = "".join(f"{value:10.1e}" for value in worst) + "".join(f"{value:10.2f}" for value in rough)
         for part in ("speed_own", "speed_slid"):
@@ -162,6 +168,14 @@ def laws(paths: dict[str, mc.Path]) -> None:
             told += f"{max(found['speed'] for found in some):{wide}.1f}{max(found['released'] for found in some):8}"
             told += f"{max(found['drop'] for found in some):6.1f}"
         print(f"{name:10}{away:10.2f}{told}{'  facing' if heading == 'facing' else ''}", flush=True)
+
+
+def through_bvh(motion: mc.Motion) -> mc.Motion:
+    """As a BVH file keeps it: six decimals, and not how it was made."""
+    with TemporaryDirectory() as folder_of:
+        file = Path(folder_of) / "there.bvh"
+        mc.write(file, motion)
+        return mc.read(file).sample()
 
 
 def off(made: mc.Motion, wanted: np.ndarray) -> float:

@@ -142,7 +142,8 @@ class Resample:
         self.node.stdin.flush()
 
     def close(self) -> None:
-        self.node.stdin.close()  # type: ignore[union-attr]
+        assert self.node.stdin is not None
+        self.node.stdin.close()
         self.node.wait()
 
 
