@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 from hypothesis import settings
 
+import mocurve as mc
 from mocurve.data import example
 
 settings.register_profile("house", parent=settings.default, deadline=None)  # the first call of a kernel compiles it
@@ -38,6 +39,18 @@ def clips() -> Path:
     if not folder.is_dir():
         pytest.skip("no shared clips: set MOCURVE_CLIPS to their folder")
     return folder
+
+
+@pytest.fixture(scope="session")
+def captured(clips: Path) -> Callable[[str], mc.Motion]:
+    """Reads CMU clips by what follows cmu_ in their names."""
+
+    def load(name: str) -> mc.Motion:
+        clip = mc.read(clips / "cmu" / f"cmu_{name}.bvh")
+        assert isinstance(clip, mc.Motion)
+        return clip
+
+    return load
 
 
 @pytest.fixture(scope="module")

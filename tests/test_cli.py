@@ -17,6 +17,7 @@ from inspect import signature
 from pathlib import Path
 
 import pytest
+from commands import refused
 
 import mocurve
 from mocurve import cli
@@ -42,15 +43,6 @@ def short(jump: Path, tmp_path: Path) -> Path:
     path = tmp_path / "short.bvh"
     path.write_text(head.replace("Frames: 420", "Frames: 30") + "\n".join(["Frame Time:" + time, *frames[:30]]) + "\n")
     return path
-
-
-def refused(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> str:
-    """The one line on stderr of a command that has to be refused with exit code 2."""
-    assert cli.main([str(a) for a in arguments]) == cli.REFUSED
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert err.count("\n") == 1
-    return err
 
 
 # -- help ----------------------------------------------------------------------------------------

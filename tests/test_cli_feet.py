@@ -6,24 +6,9 @@ import json
 from pathlib import Path
 
 import pytest
+from commands import ran, refused
 
 import mocurve as mc
-from mocurve import cli
-
-
-def ran(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> str:
-    assert cli.main([str(a) for a in arguments]) == 0
-    out, err = capsys.readouterr()
-    assert err == ""
-    return out
-
-
-def refused(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> str:
-    assert cli.main([str(a) for a in arguments]) == cli.REFUSED
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert err.count("\n") == 1
-    return err
 
 
 def test_contacts_are_a_table_with_a_time_line(jump: Path, capsys: pytest.CaptureFixture[str]) -> None:

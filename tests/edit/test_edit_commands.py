@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import numpy as np
 import pytest
+from commands import refused, run
 from turning import apart
 
 import mocurve as mc
@@ -22,21 +22,6 @@ def files(jump: Path, tmp_path: Path) -> Path:
     mc.write(tmp_path / "b.npz", motion[200:320])
     mc.write(tmp_path / "a.curves.json", mc.reduce(motion[:120], tolerance="3deg"))
     return tmp_path
-
-
-def run(capsys: pytest.CaptureFixture[str], *words: str | Path) -> dict:
-    """What a command tells with --json."""
-    assert cli.main([*(str(word) for word in words), "--json"]) == 0
-    out, _ = capsys.readouterr()
-    return json.loads(out)
-
-
-def refused(capsys: pytest.CaptureFixture[str], *words: str | Path) -> str:
-    assert cli.main([str(word) for word in words]) == cli.REFUSED
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert err.count("\n") == 1
-    return err
 
 
 def test_blend_writes_what_the_verb_makes_and_tells_its_numbers(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path as File
 
 import numpy as np
 import pytest
@@ -154,16 +153,6 @@ def test_bare_control_points_of_the_own_path_are_known() -> None:
 
 
 # -- promises on captures ------------------------------------------------------------------------
-@pytest.fixture(scope="module")
-def captured(clips: File) -> Callable[[str], mc.Motion]:
-    def load(name: str) -> mc.Motion:
-        clip = mc.read(clips / "cmu" / f"cmu_{name}.bvh")
-        assert isinstance(clip, mc.Motion)
-        return clip
-
-    return load
-
-
 @pytest.mark.parametrize("name", ["12_01_walk", "02_01_walk_blender"])
 def test_captured_walks_keep_their_laws(name: str, captured: Callable[[str], mc.Motion]) -> None:
     clip = captured(name)

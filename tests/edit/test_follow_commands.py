@@ -9,6 +9,7 @@ from pathlib import Path as File
 
 import numpy as np
 import pytest
+from commands import refused
 
 import mocurve as mc
 from mocurve import cli
@@ -30,14 +31,6 @@ def run(capsys: pytest.CaptureFixture[str], line: str) -> dict:
     out, err = capsys.readouterr()
     assert err == ""
     return json.loads(out)
-
-
-def refused(capsys: pytest.CaptureFixture[str], line: str) -> str:
-    assert cli.main(line.split()) == cli.REFUSED
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert err.count("\n") == 1
-    return err
 
 
 @pytest.mark.parametrize("options", ["", "--points 6", "--points 8 --degree 5 --track smooth", "--height"])
@@ -84,7 +77,7 @@ def test_a_clip_that_goes_nowhere_is_told(folder: File, capsys: pytest.CaptureFi
     mc.write("stands.bvh", replace(clip, values=values))
     assert cli.main(["path", "stands.bvh", "-o", "p.csv"]) == 0
     assert "the clip goes nowhere: its path has no length" in capsys.readouterr().err
-    assert "all points are in one place" in refused(capsys, "follow stands.bvh --path p.csv -o a.bvh")
+    assert "all points are in one place" in refused(capsys, *["follow", "stands.bvh", "--path", "p.csv", "-o", "a.bvh"])
 
 
 def test_bare_points_of_the_own_path_are_known(folder: File, capsys: pytest.CaptureFixture[str]) -> None:
@@ -159,6 +152,6 @@ def test_of_says_which_path_a_clip_is_on(folder: File, capsys: pytest.CaptureFix
 def test_what_is_wrong_is_one_line(line: str, told: str, folder: File, capsys: pytest.CaptureFixture[str]) -> None:
     (folder / "bad.csv").write_text("1,2\n3,x\n")
     (folder / "good.csv").write_text("1,2\n3,4\n3,9\n")
-    assert told in refused(capsys, line)
+    assert told in refused(capsys, *line.split())
     assert not (folder / "a.bvh").exists()
     assert not (folder / "p.csv").exists()

@@ -4,7 +4,6 @@ far as a leg must reach."""
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path as File
 
 import numpy as np
 import pytest
@@ -15,16 +14,6 @@ from mocurve import rotation
 from mocurve.edit.path_edit import PathEdit
 from mocurve.feet.legs import legs, tracks
 from mocurve.kinematics import rotations, world
-
-
-@pytest.fixture(scope="module")
-def captured(clips: File) -> Callable[[str], mc.Motion]:
-    def load(name: str) -> mc.Motion:
-        clip = mc.read(clips / "cmu" / f"cmu_{name}.bvh")
-        assert isinstance(clip, mc.Motion)
-        return clip
-
-    return load
 
 
 def ramp(length: float, slope: float) -> mc.Path:
