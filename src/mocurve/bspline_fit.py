@@ -130,7 +130,7 @@ def _normal_equations(
 
 
 @kernel
-def project(start, weighted, rows, right):  # type: ignore[no-untyped-def]
+def project(start: np.ndarray, weighted: np.ndarray, rows: np.ndarray, right: np.ndarray) -> None:
     """Add to right (C, N) what every sample of rows (C, M) gives the basis functions from start (M,) on."""
     samples, width = weighted.shape
     for c in range(rows.shape[0]):

@@ -10,7 +10,18 @@ FRAMES_AT_ONCE = 256  # so that what one step needs of all joints stays in the p
 
 
 @kernel(fastmath={"contract"})
-def walk(parents, offsets, firsts, axes, turns, moves, turned, tangents, shifts, places):  # type: ignore[no-untyped-def]
+def walk(
+    parents: np.ndarray,
+    offsets: np.ndarray,
+    firsts: np.ndarray,
+    axes: np.ndarray,
+    turns: np.ndarray,
+    moves: np.ndarray,
+    turned: np.ndarray,
+    tangents: np.ndarray,
+    shifts: np.ndarray,
+    places: np.ndarray,
+) -> None:
     """Fill places (J, 3, F).
 
     parents (J,), offsets (J, 3); the channels of joint j are firsts[j] to firsts[j + 1] - 1. Per channel: its axis,

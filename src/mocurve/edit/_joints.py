@@ -31,6 +31,9 @@ SLACK = np.radians(5.0)  # a joint may always be turned by as much: a clip at th
 COMFORT = np.radians(30.0)  # how far a foot is turned against its body, more than it ever is in the clip
 UPRIGHT = 0.3  # of a bone's length: as much of a turn about the vertical is its own twist at least
 
+Vectors = tuple[np.ndarray, np.ndarray, np.ndarray]
+Numbers = tuple[float, ...]
+
 
 @dataclass(frozen=True, eq=False)
 class Joints:
@@ -112,7 +115,7 @@ def saturated(values: np.ndarray, limit: np.ndarray, over: float) -> np.ndarray:
 
 
 @kernel
-def _share(turn, rooms, part):  # type: ignore[no-untyped-def]
+def _share(turn: np.ndarray, rooms: np.ndarray, part: np.ndarray) -> None:
     """Each joint makes half up to half of its room, then less and less, never more than all of it; the other the
     rest."""
     for f in range(len(turn)):
@@ -136,7 +139,7 @@ def _ways(up: np.ndarray, across: np.ndarray, axis: np.ndarray) -> np.ndarray:
 
 
 @kernel
-def _mean(above, across, knee, axis, means):  # type: ignore[no-untyped-def]
+def _mean(above: np.ndarray, across: np.ndarray, knee: np.ndarray, axis: np.ndarray, means: np.ndarray) -> None:
     """Where up, the line of the hips and the axis of the knee are for the body on the mean, (3, 3)."""
     up, seen, made = np.array([0.0, 1.0, 0.0]), np.empty(3), np.empty(3)
     back = np.empty(4)
@@ -150,7 +153,9 @@ def _mean(above, across, knee, axis, means):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _see(ways, above, leg, places, vectors, turned):  # type: ignore[no-untyped-def]
+def _see(
+    ways: np.ndarray, above: np.ndarray, leg: Vectors, places: Vectors, vectors: np.ndarray, turned: np.ndarray
+) -> None:
     """Fill in the vectors (F, 6, 3), and how the foot is turned (F,)."""
     knee, p, axis = leg
     hip, ankle, sole = places
@@ -175,7 +180,7 @@ def _see(ways, above, leg, places, vectors, turned):  # type: ignore[no-untyped-
 
 
 @kernel
-def _angles(vectors, angles):  # type: ignore[no-untyped-def]
+def _angles(vectors: np.ndarray, angles: np.ndarray) -> None:
     """Angles (F, 4), degrees, as they stand."""
     for f in range(len(vectors)):
         v = vectors[f]
@@ -183,7 +188,7 @@ def _angles(vectors, angles):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _put(hip, ankle, angles):  # type: ignore[no-untyped-def]
+def _put(hip: Numbers, ankle: Numbers, angles: np.ndarray) -> None:
     angles[0] = np.degrees(np.arccos(min(max(hip[0], -1.0), 1.0)))
     angles[1] = np.degrees(np.arctan2(hip[2], hip[1]))
     angles[2] = np.degrees(np.arcsin(min(max(ankle[0], -1.0), 1.0)))
@@ -191,7 +196,7 @@ def _put(hip, ankle, angles):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _rooms(vectors, angles, ends, rooms):  # type: ignore[no-untyped-def]
+def _rooms(vectors: np.ndarray, angles: np.ndarray, ends: np.ndarray, rooms: np.ndarray) -> None:
     for f in range(len(vectors)):
         v = vectors[f]
         for joint in range(2):
@@ -203,7 +208,9 @@ def _rooms(vectors, angles, ends, rooms):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _beyond(vectors, thigh, shank, foot, ends, over):  # type: ignore[no-untyped-def]
+def _beyond(
+    vectors: np.ndarray, thigh: np.ndarray, shank: np.ndarray, foot: np.ndarray, ends: np.ndarray, over: np.ndarray
+) -> None:
     """How far hips and ankles are beyond their ends, (2, F), with thigh, shank and foot turned."""
     moved, found = np.empty((5, 3)), np.empty(4)
     swing, twist = np.cos(np.radians(ends[0, 1])), 1.0 / np.tan(np.radians(min(-ends[1, 0], ends[1, 1])))
@@ -225,7 +232,7 @@ def _beyond(vectors, thigh, shank, foot, ends, over):  # type: ignore[no-untyped
 
 
 @kernel
-def _of_hip(limb, axis, centre, zero):  # type: ignore[no-untyped-def]
+def _of_hip(limb: np.ndarray, axis: np.ndarray, centre: np.ndarray, zero: np.ndarray) -> Numbers:
     """The cosine of the swing, and the twist as cosine and sine, unscaled: what the shortest way from the middle makes
     of `zero` is no twist."""
     near = limb[0] * centre[0] + limb[1] * centre[1] + limb[2] * centre[2]
@@ -243,14 +250,14 @@ def _of_hip(limb, axis, centre, zero):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _of_ankle(shank, axis, sole):  # type: ignore[no-untyped-def]
+def _of_ankle(shank: np.ndarray, axis: np.ndarray, sole: np.ndarray) -> Numbers:
     """How far a sole is bent up towards the shank, and turned out of the plane of the leg to the left: sines."""
     up = sole[0] * shank[0] + sole[1] * shank[1] + sole[2] * shank[2]
     return up, sole[0] * axis[0] + sole[1] * axis[1] + sole[2] * axis[2]
 
 
 @kernel
-def _rotate(q, vector, made):  # type: ignore[no-untyped-def]
+def _rotate(q: np.ndarray, vector: np.ndarray, made: np.ndarray) -> None:
     x = 2.0 * (q[2] * vector[2] - q[3] * vector[1])
     y = 2.0 * (q[3] * vector[0] - q[1] * vector[2])
     z = 2.0 * (q[1] * vector[1] - q[2] * vector[0])

@@ -61,7 +61,17 @@ def pivots(stances: Stances, angles: np.ndarray, heading: np.ndarray, joints: Jo
 
 
 @kernel
-def _turn(spans, down, angles, heading, low, high, count, angle, whole):  # type: ignore[no-untyped-def]
+def _turn(
+    spans: np.ndarray,
+    down: np.ndarray,
+    angles: np.ndarray,
+    heading: np.ndarray,
+    low: np.ndarray,
+    high: np.ndarray,
+    count: int,
+    angle: np.ndarray,
+    whole: np.ndarray,
+) -> None:
     """How far feet turn at every frame, so that they are turned against the body by no more than low and high (F,), or
     as little more as can be; in frames `down` (N, 2) alone, coming and going within so many frames."""
     for i in range(len(spans)):
@@ -92,7 +102,7 @@ def _turn(spans, down, angles, heading, low, high, count, angle, whole):  # type
 
 
 @kernel
-def _speed(at, down, count):  # type: ignore[no-untyped-def]
+def _speed(at: float, down: np.ndarray, count: int) -> float:
     """1 while a foot is free to turn, smoothly from and to 0 at both ends."""
     first, last = down[0], down[1] - 1
     ramp = min(float(count), 0.5 * (last - first))

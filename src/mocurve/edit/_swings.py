@@ -38,7 +38,9 @@ def filled(known: np.ndarray, spans: np.ndarray, frame_time: float, die: float |
 
 
 @kernel
-def _edges(known, at, sense, spans, frame_time, count):  # type: ignore[no-untyped-def]
+def _edges(
+    known: np.ndarray, at: np.ndarray, sense: int, spans: np.ndarray, frame_time: float, count: int
+) -> np.ndarray:
     """Values, speeds and accelerations (N, 3, M) at one edge of each contact; no speed where it is a frame or two."""
     result = np.zeros((len(at), 3, known.shape[1]))
     for i in range(len(at)):
@@ -64,7 +66,15 @@ def _edges(known, at, sense, spans, frame_time, count):  # type: ignore[no-untyp
 
 
 @kernel
-def _fill(result, spans, ends, starts, frame_time, reach, dying):  # type: ignore[no-untyped-def]
+def _fill(
+    result: np.ndarray,
+    spans: np.ndarray,
+    ends: np.ndarray,
+    starts: np.ndarray,
+    frame_time: float,
+    reach: int,
+    dying: int,
+) -> None:
     """Fill the gaps between the spans in place; dying: frames within which speeds die out, 0 where they do not."""
     frames, wide = result.shape
     keeps = 0.0 if dying else 1.0  # speeds that cross the gap
@@ -94,7 +104,7 @@ def _fill(result, spans, ends, starts, frame_time, reach, dying):  # type: ignor
 
 
 @kernel
-def _leaving(u, seconds, value, speed, acceleration):  # type: ignore[no-untyped-def]
+def _leaving(u: float, seconds: float, value: float, speed: float, acceleration: float) -> float:
     """The quintic that leaves u = 0 with these and arrives at u = 1 with nothing."""
     u2 = u * u
     u3 = u2 * u
