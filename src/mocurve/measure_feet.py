@@ -6,12 +6,10 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from .errors import MocurveError
-from .feet.contacts import found, slowness
+from .feet.contacts import HEIGHT, found, slowness
 from .feet.legs import legs
 from .feet.skate import Skate, skate
 from .motion import Motion
-
-HEIGHT = 4.0  # cm above the floor that a standing foot may be
 
 
 @dataclass(frozen=True)

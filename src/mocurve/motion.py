@@ -118,6 +118,16 @@ class Motion:
         return replace(self, values=values, frame_time=step, report=None)
 
 
+def complete(motion: Motion) -> Motion:
+    """The motion; Mismatch where a sample is missing."""
+    bad = ~np.isfinite(motion.values)
+    if bad.any():
+        frame, channel = (int(place) for place in np.argwhere(bad)[0])
+        name = motion.skeleton.channel_names[channel]
+        raise Mismatch(f"channel {name!r} has no value at frame {frame}: fill the gaps first, with denoise")
+    return motion
+
+
 def unroll(motion: Motion, *, triples: bool = True) -> Motion:
     """The same rotations, written so that no channel jumps: the rotation fix of Önder 2007, appendix B.1.
 

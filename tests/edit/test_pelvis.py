@@ -17,7 +17,6 @@ from mocurve.edit._pelvis import (
     QUICKENS,
     SIDEWAYS,
     UP,
-    WALLS,
     Legs,
     around,
     beyond_reach,
@@ -122,10 +121,6 @@ def test_where_it_is_fixed_the_pelvis_stays(hinges: list[Hinge]) -> None:
     assert not found[fixed].any()
     assert np.abs(found[~fixed]).max() > 0.1
     assert np.abs(found[12]).max() < 0.1 * np.abs(found).max()
-
-
-def test_the_walls_are_the_limits() -> None:
-    assert (LIMITS["shift"], LIMITS["drop"]) == WALLS
 
 
 @pytest.mark.parametrize(("way", "limit"), [((0.0, 0.0, 1.0), "shift"), ((0.0, -1.0, 0.0), "drop")])

@@ -9,9 +9,9 @@ import numpy as np
 
 from ..errors import OptionError
 from ..feet.planted import planted
-from ..motion import Clip, Motion, frame_count
+from ..motion import Clip, Motion, complete, frame_count
 from ._bodies import size_of
-from ._pair import at_times, complete, onto
+from ._pair import at_times, onto
 from ._seams import usual
 
 

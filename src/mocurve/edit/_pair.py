@@ -11,7 +11,7 @@ import numpy as np
 from .. import hermite, kinematics, rotation
 from ..errors import Mismatch, UnknownName
 from ..keyed import KeyedMotion
-from ..motion import Clip, History, Motion, unroll
+from ..motion import Clip, History, Motion, complete, unroll
 from ..skeleton import Skeleton
 from ..spline import SplineMotion
 from ._turns import free_joints
@@ -117,16 +117,6 @@ def at_times(clip: Clip, times: np.ndarray, frame_time: float) -> Motion:
         slopes = np.gradient(column, motion.frame_time) if len(own) > 1 else np.zeros(len(own))
         values[:, channel] = hermite.evaluate(own, column, slopes, times)
     return replace(motion, values=values, frame_time=frame_time, report=None)
-
-
-def complete(motion: Motion) -> Motion:
-    """The motion; Mismatch where a sample is missing."""
-    bad = ~np.isfinite(motion.values)
-    if bad.any():
-        frame, channel = (int(place) for place in np.argwhere(bad)[0])
-        name = motion.skeleton.channel_names[channel]
-        raise Mismatch(f"channel {name!r} has no value at frame {frame}: fill the gaps first, with denoise")
-    return motion
 
 
 def side_by_side(a: Clip, b: Clip, match: str, asked: str) -> tuple[Motion, Motion, np.ndarray]:

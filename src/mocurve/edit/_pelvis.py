@@ -14,6 +14,7 @@ from scipy.ndimage import maximum_filter1d
 
 from .._jit import kernel
 from ._hinge import Hinge
+from ._reach import LIMITS
 
 BENDS = np.radians(6.0)  # flexion off what is wanted
 QUICKENS = np.radians(1500.0)  # a second a second, of that
@@ -23,7 +24,7 @@ JERKS = (
 SIDEWAYS, UP = 2.5, 2.5  # cm of shift
 HURRIES = 300.0  # cm a second a second, of the shift
 GENTLY = 0.15  # seconds around a foot out of reach in which the body is lower
-WALLS = (4.0, 2.5)  # cm that hips should go aside, and down, at most
+WALLS = (LIMITS["shift"], LIMITS["drop"])  # cm that hips should go aside, and down, at most
 FROM, TO, TIGHT = 0.85, 0.92, 0.1  # of that: where it begins to tell, and where it is to end; cm
 AROUND = 0.5  # seconds around that in which what shakes is let shake
 ROUNDS = 3  # solutions with that, and with walls
@@ -52,7 +53,7 @@ def shifted(
     frames = len(at)
     band, right = np.zeros((3 * frames + BAND - 1, BAND)), np.zeros(3 * frames + BAND - 1)
     tolerances = np.array([SIDEWAYS, UP, SIDEWAYS]) ** -2.0
-    all_jerks = np.full(frames, np.inf)
+    none = np.full(frames, np.inf)
     _quiet(band, fixed, tolerances, (HURRIES * frame_time**2) ** -2.0)
     for leg, target in legs:
         to = leg.hip + at - target
@@ -61,10 +62,19 @@ def shifted(
         pull = to * (slope / length)[:, None]
         now = flexion - leg.wanted
         off = now - (pull * at).sum(axis=1)
-        hardest = all_jerks if jerks is None else jerks
-        _add(band, right, pull, off, now, leg.weight, BENDS**-2.0, QUICKENS * frame_time**2, hardest)
+        _add(
+            band,
+            right,
+            pull,
+            off,
+            now,
+            leg.weight,
+            BENDS**-2.0,
+            QUICKENS * frame_time**2,
+            none if jerks is None else jerks,
+        )
     for way, length, weight in walls:
-        _add(band, right, way, -length, 0.0 * length, weight, TIGHT**-2.0, np.inf, all_jerks)
+        _add(band, right, way, -length, 0.0 * length, weight, TIGHT**-2.0, np.inf, none)
     _solve(band, right)
     result = right[: 3 * frames].reshape(frames, 3)
     result[fixed] = 0.0
@@ -145,7 +155,7 @@ def _walls(shift: np.ndarray) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]
 
 
 @kernel
-def _quiet(band, fixed, tolerances, hurries):  # type: ignore[no-untyped-def]
+def _quiet(band: np.ndarray, fixed: np.ndarray, tolerances: np.ndarray, hurries: float) -> None:
     """A small shift, without haste."""
     frames = len(fixed)
     bend = np.array([1.0, -2.0, 1.0])
@@ -159,7 +169,17 @@ def _quiet(band, fixed, tolerances, hurries):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _add(band, right, pull, off, now, weight, bends, quickens, jerks):  # type: ignore[no-untyped-def]
+def _add(
+    band: np.ndarray,
+    right: np.ndarray,
+    pull: np.ndarray,
+    off: np.ndarray,
+    now: np.ndarray,
+    weight: np.ndarray,
+    bends: float,
+    quickens: float,
+    jerks: np.ndarray,
+) -> None:
     """A leg's pull: the flexion off what is wanted, pull (F, 3) . shift + off, and its second difference, squared; both
     in their tolerances, the latter no harder than `jerks` (F,) times that. now: (F,) what it is off where it was made
     linear."""
@@ -185,7 +205,7 @@ def _add(band, right, pull, off, now, weight, bends, quickens, jerks):  # type: 
 
 
 @kernel
-def _solve(band, right):  # type: ignore[no-untyped-def]
+def _solve(band: np.ndarray, right: np.ndarray) -> None:
     """Solve in place, by Cholesky: band becomes the factor's, right the unknowns; both with 8 empty rows at their end,
     so that no loop has an end of its own."""
     count = len(right) - BAND + 1

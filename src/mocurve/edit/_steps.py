@@ -11,7 +11,7 @@ import numpy as np
 
 from .. import planar
 from ..errors import MocurveError
-from ..feet.contacts import GAP, LEAST, Contact, found, runs, slowness
+from ..feet.contacts import GAP, HEIGHT, LEAST, Contact, found, runs, slowness
 from ..feet.legs import Leg, feet_of, legs, tracks
 from ..feet.skate import skate
 from ..kinematics import world
@@ -22,7 +22,6 @@ from ._locking import Source, held, source_of
 from ._reach import LIMITS, Problem, Strain
 from ._release import released
 
-HEIGHT = 4.0  # cm above the floor that a standing foot may be
 NEAR = 5.0  # seconds around what is touched that are looked at where time is stretched
 SHORT = 1.0  # seconds: it is no wonder if in less no foot stands
 CHANGES = 1e-9  # of a carry from frame to frame: less is none

@@ -16,11 +16,11 @@ from ..errors import OptionError, UnknownName
 from ..info import first_frame_is_t_pose
 from ..keyed import KeyedMotion
 from ..kinematics import world
-from ..motion import Clip, Motion, unroll
+from ..motion import Clip, Motion, complete, unroll
 from ..spline import SplineMotion
 from . import _features
 from ._features import Features
-from ._pair import check_mode, complete, recorded
+from ._pair import check_mode, recorded
 from .retime import retime, time_map
 
 KINDS = {"turns": (1, -1), "highs": (1,), "lows": (-1,)}

@@ -14,10 +14,10 @@ import numpy as np
 from .. import kinematics
 from ..errors import OptionError
 from ..info import first_frame_is_t_pose
-from ..motion import Clip, Motion
+from ..motion import Clip, Motion, complete
 from ..skeleton import Skeleton, matching
 from . import _bank
-from ._pair import complete, recorded, tell_sampled
+from ._pair import recorded, tell_sampled
 from ._turns import free_joints
 
 Gains = Mapping[int | str, float] | Sequence[float] | Sequence[str] | str

@@ -11,12 +11,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from ..motion import Clip, Motion
+from ..motion import Clip, Motion, complete
 from ..path import Path, walkable
 from ..path_edits import recognised
 from ..path_fit import lead
 from ._following import Following as Following
-from ._pair import complete
 from .path_edit import check, course_of, path_of, ready, taken_back
 
 

@@ -14,13 +14,13 @@ import numpy as np
 
 from ..errors import Mismatch, OptionError, UnknownName
 from ..info import first_frame_is_t_pose
-from ..motion import Clip, Motion
+from ..motion import Clip, Motion, complete
 from ..skeleton import Skeleton
 from . import _fourier, _in_step
 from ._bodies import main_root, rooted
 from ._interpolated import Interpolation, length_of, measured
 from ._means import heaviest_of
-from ._pair import check, complete, tell_sampled
+from ._pair import check, tell_sampled
 from ._shares import Places, Shares, Weights, shares_of
 from .register import Registration
 

@@ -12,11 +12,11 @@ from ..errors import OptionError
 from ..feet.planted import SPEED
 from ..info import first_frame_is_t_pose
 from ..kinematics import rest_height, world
-from ..motion import Clip, Motion, frame_count
+from ..motion import Clip, Motion, complete, frame_count
 from ..spline import SplineMotion
 from . import _cuts
 from ._couple import Pair, at_rate, paired
-from ._pair import check, check_mode, complete, recorded, same_curves, tell_sampled
+from ._pair import check, check_mode, recorded, same_curves, tell_sampled
 from ._seams import bends, centimetres, steps
 from ._splices import carried, spliced
 from ._transitions import MODES, Cut, alignments, joined

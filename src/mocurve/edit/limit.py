@@ -12,12 +12,12 @@ import numpy as np
 
 from ..errors import OptionError
 from ..keyed import KeyedMotion
-from ..motion import Clip, Motion
+from ..motion import Clip, Motion, complete
 from ..spline import SplineMotion
 from . import _anatomy, _envelope, _key_limits
 from ._extremes import extremes
 from ._limits_of import beyond_of, sought
-from ._pair import complete, recorded, tell_sampled
+from ._pair import recorded, tell_sampled
 from ._ranges import End, Limit, OfChannel, parse
 
 Limits = Mapping[str, End] | Sequence[str] | str

@@ -13,13 +13,13 @@ from typing import Any
 
 import numpy as np
 
-from ..feet.contacts import Contact, found, positive, read_contacts, slowness
+from ..feet.contacts import HEIGHT, Contact, found, positive, read_contacts, slowness
 from ..feet.legs import Leg, feet_of, legs
 from ..feet.skate import skate
 from ..info import tell_up
-from ..motion import Clip, Motion
+from ..motion import Clip, Motion, complete
 from ._locking import held, source_of
-from ._pair import complete, recorded, tell_sampled
+from ._pair import recorded, tell_sampled
 from ._reach import Strain
 from ._release import released
 
@@ -69,7 +69,7 @@ def lock_feet(
     *,
     feet: str | Sequence[str] | None = None,
     speed: float | None = None,
-    height: float = 4.0,
+    height: float = HEIGHT,
     release: bool = False,
 ) -> Motion:
     """The motion with its feet held still where they stand; as little as can be is changed elsewhere.

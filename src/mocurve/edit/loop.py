@@ -17,11 +17,11 @@ from ..errors import OptionError, UnknownName
 from ..feet.planted import planted
 from ..info import first_frame_is_t_pose
 from ..kinematics import world
-from ..motion import Clip, Motion
+from ..motion import Clip, Motion, complete
 from ..spline import SplineMotion
 from . import _cycles, _periodic
 from ._closings import CLOSINGS, FADE, beside
-from ._pair import complete, recorded, tell_sampled
+from ._pair import recorded, tell_sampled
 from ._poses import Poses, motion_of, moved, poses_of
 from ._seams import bends, centimetres
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..errors import Mismatch, MocurveError, OptionError, UnknownName
 from ..info import tell_up
-from ..motion import Clip, History, Motion
+from ..motion import Clip, History, Motion, complete
 from ..path import Fit, Path, walkable
 from ..path_files import as_json, of_json
 from ..path_fit import fitted, gone, lead
@@ -28,7 +28,7 @@ from ._facing import progress
 from ._following import measured, tell
 from ._heights import Line, steep
 from ._pace import paced
-from ._pair import check_mode, complete, recorded, tell_sampled
+from ._pair import check_mode, recorded, tell_sampled
 from ._repeat import repeated
 from ._steps import Feet, Steps, stepping
 

@@ -14,9 +14,9 @@ from .. import planar
 from ..errors import OptionError
 from ..info import first_frame_is_t_pose
 from ..kinematics import world
-from ..motion import Clip, Motion
+from ..motion import Clip, Motion, complete
 from . import _dtw
-from ._pair import check, complete
+from ._pair import check
 from ._seams import centimetres
 from .retime import retime
 

@@ -13,10 +13,10 @@ import numpy as np
 from .. import hermite, kinematics, rotation
 from ..errors import Mismatch, OptionError
 from ..keyed import HermiteCurve, KeyedMotion
-from ..motion import Clip, Motion
+from ..motion import Clip, Motion, complete
 from ..skeleton import Skeleton, matching
 from ..spline import SplineMotion, align, of_keys
-from ._pair import check, check_mode, complete, recorded, tell_sampled
+from ._pair import check, check_mode, recorded, tell_sampled
 from ._slopes import limited, rate_of, smooth
 from ._turns import free_joints
 

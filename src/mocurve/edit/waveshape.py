@@ -11,11 +11,11 @@ import numpy as np
 from .. import hermite
 from ..errors import OptionError
 from ..keyed import KeyedMotion
-from ..motion import Clip
+from ..motion import Clip, complete
 from ..skeleton import Skeleton, matching
 from ..spline import SplineMotion
 from ._extremes import extremes
-from ._pair import complete, recorded, tell_sampled
+from ._pair import recorded, tell_sampled
 from ._ranges import by_name
 from ._ranges import parse as parse_ranges
 from ._slopes import speeds

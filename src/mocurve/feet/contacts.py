@@ -13,15 +13,16 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import Mismatch, OptionError, UnknownName
+from ..errors import OptionError, UnknownName
 from ..info import tell_up
 from ..kinematics import world
-from ..motion import Clip, Motion
+from ..motion import Clip, Motion, complete
 from .floors import floors
 from .legs import Leg, centimetres, legs, tracks
 
 WALKING, RUNNING = 15.0, 45.0  # cm/s: slower feet come to stand
 RUNS, PACE = 200.0, 0.25  # cm/s, over so many seconds: where people who go faster begin to run
+HEIGHT = 4.0  # cm above the floor that a standing foot may be
 LEAVING = 2.0  # times the speed at which a contact begins: where it ends
 SMOOTH = 0.04  # seconds over which speeds are taken
 SHAKES, NOISE = 8.0, 4.0  # times the speed, and the usual one of a contact, that no foot is fast in a frame as it comes
@@ -49,7 +50,7 @@ class Contact:
 
 
 def contacts(
-    clip: Clip, *, feet: str | Sequence[str] | None = None, speed: float | None = None, height: float = 4.0
+    clip: Clip, *, feet: str | Sequence[str] | None = None, speed: float | None = None, height: float = HEIGHT
 ) -> tuple[Contact, ...]:
     """When and where the balls and heels of both feet stand on the floor, in the order of their first frames.
 
@@ -72,8 +73,7 @@ def contacts(
     >>> [(c.joint, c.first, c.last) for c in mc.contacts(mc.read("walk.bvh"))]
     """
     positive(speed=speed, height=height)
-    motion = clip.sample()
-    _complete(motion)
+    motion = complete(clip.sample())
     both = legs(motion, feet)
     tell_up(motion, "feet stand")
     return found(motion, both, slowness(motion) if speed is None else speed, height)
@@ -141,14 +141,6 @@ def runs(mask: np.ndarray) -> np.ndarray:
 
 
 # -- in call order ---------------------------------------------------------------------------------
-
-
-def _complete(motion: Motion) -> None:
-    bad = ~np.isfinite(motion.values)
-    if bad.any():
-        frame, channel = (int(place) for place in np.argwhere(bad)[0])
-        name = motion.skeleton.channel_names[channel]
-        raise Mismatch(f"channel {name!r} has no value at frame {frame}: fill the gaps first, with denoise")
 
 
 def _pace(track: np.ndarray, frame_time: float) -> np.ndarray:
