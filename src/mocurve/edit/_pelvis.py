@@ -18,9 +18,7 @@ from ._reach import LIMITS
 
 BENDS = np.radians(6.0)  # flexion off what is wanted
 QUICKENS = np.radians(1500.0)  # a second a second, of that
-JERKS = (
-    3.5  # times that: more is noise of a frame or two, which hips that are at their end mend no harder (Huber's loss)
-)
+JERKS = 3.5  # times that: a knee that shakes more pulls hips that are at their end no harder (Huber's loss)
 SIDEWAYS, UP = 2.5, 2.5  # cm of shift
 HURRIES = 300.0  # cm a second a second, of the shift
 GENTLY = 0.15  # seconds around a foot out of reach in which the body is lower
@@ -54,6 +52,7 @@ def shifted(
     band, right = np.zeros((3 * frames + BAND - 1, BAND)), np.zeros(3 * frames + BAND - 1)
     tolerances = np.array([SIDEWAYS, UP, SIDEWAYS]) ** -2.0
     none = np.full(frames, np.inf)
+    hardest = none if jerks is None else jerks
     _quiet(band, fixed, tolerances, (HURRIES * frame_time**2) ** -2.0)
     for leg, target in legs:
         to = leg.hip + at - target
@@ -62,17 +61,7 @@ def shifted(
         pull = to * (slope / length)[:, None]
         now = flexion - leg.wanted
         off = now - (pull * at).sum(axis=1)
-        _add(
-            band,
-            right,
-            pull,
-            off,
-            now,
-            leg.weight,
-            BENDS**-2.0,
-            QUICKENS * frame_time**2,
-            none if jerks is None else jerks,
-        )
+        _add(band, right, pull, off, now, leg.weight, BENDS**-2.0, QUICKENS * frame_time**2, hardest)
     for way, length, weight in walls:
         _add(band, right, way, -length, 0.0 * length, weight, TIGHT**-2.0, np.inf, none)
     _solve(band, right)

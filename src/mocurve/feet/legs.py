@@ -22,7 +22,6 @@ STIFF = 1.0  # degrees: a joint whose channels never change more does not turn
 SHORT = 1e-6  # of the height at rest: a bone without length
 HEEL = 0.25  # foot lengths that the heel stands behind the ankle
 LOWEST, LEVEL = 0.05, 10.0  # of the frames, in which feet stand; degrees off what is usual there: a foot that points
-PERSON = 170.0  # cm tall, where nobody knows how long a unit is
 
 
 class Leg(NamedTuple):
