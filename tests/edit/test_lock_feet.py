@@ -109,6 +109,16 @@ def test_a_foot_goes_where_its_contact_says(clip: mc.Motion) -> None:
     np.testing.assert_allclose(there[:, 1] - world(clip)[330:410, foot, 1], 0.1, atol=1e-9)
 
 
+def test_the_history_holds_the_contacts_to_be_changed_and_given_again(clip: mc.Motion, made: mc.Motion) -> None:
+    listed = made.history[-1]["measured"]["contacts"]
+    assert listed == [contact.to_json() for contact in mc.contacts(clip)]
+    assert mc.lock_feet(clip, listed).values.tobytes() == made.values.tobytes()
+    right = [contact for contact in listed if contact["joint"].startswith("Right")]
+    fewer = mc.lock_feet(clip, right)
+    assert fewer.history[-1]["measured"]["contacts"] == right
+    assert fewer.values.tobytes() != made.values.tobytes()
+
+
 def test_contacts_may_be_given_as_they_were_printed(clip: mc.Motion, made: mc.Motion) -> None:
     listed = [c.to_json() | {"seconds": [0.0, 1.0]} for c in mc.contacts(clip)]
     given = mc.lock_feet(clip, listed)

@@ -33,7 +33,7 @@ class Locked:
     speed, drift: of balls in contact, mean over the ground a second, and mean of the largest distance to the middle of
     a contact; each as it was and as it is. kept: part of the contact that is still one.
     drop, shift: how far the hips go down and aside at most.
-    released: contacts that were let go, as JSON has them.
+    contacts: all, given or found, as JSON has them: to be changed and given again. released: those that were let go.
     """
 
     stances: int
@@ -45,6 +45,7 @@ class Locked:
     kept: float
     drop: float
     shift: float
+    contacts: Sequence[dict[str, Any]] = ()
     released: Sequence[dict[str, Any]] = ()
 
     def __str__(self) -> str:
@@ -60,7 +61,7 @@ class Locked:
 
     def to_json(self) -> dict[str, Any]:
         """The same as plain numbers, texts and lists."""
-        return asdict(self) | {"released": list(self.released)}
+        return asdict(self) | {"contacts": list(self.contacts), "released": list(self.released)}
 
 
 def lock_feet(
@@ -165,5 +166,6 @@ def _measured(
         kept=after.kept if after else 1.0,
         drop=strain.drop,
         shift=strain.shift,
+        contacts=[contact.to_json() for contact in listed],
         released=[contact.to_json() for contact in gone],
     )
